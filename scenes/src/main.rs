@@ -1,0 +1,2 @@
+//! Writes the scenes of this folder.
+fn main() {}

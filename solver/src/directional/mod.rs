@@ -1,0 +1,4 @@
+//! Distributions of radiance over directions, on an octahedron subdivided 4:1 along great circles (§4.2).
+
+pub mod octahedron;
+pub mod packed;

@@ -1,0 +1,1 @@
+//! Builders, tolerances and image differences that the integration tests share.

@@ -1,0 +1,1 @@
+//! Render paths and command line of sheen.

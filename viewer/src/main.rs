@@ -1,0 +1,2 @@
+//! The program sheen.
+fn main() {}
