@@ -5,9 +5,13 @@
 //!
 //! A [`Scene`] goes in, a [`Solution`] comes out: no files, no GPU, no terminal.
 
+pub mod brdf;
 pub mod config;
 pub mod directional;
 pub mod error;
+pub mod geometry;
+pub mod hierarchy;
+pub mod normalise;
 pub mod radiometry;
 pub mod scene;
 pub mod solution;

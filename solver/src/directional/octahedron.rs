@@ -79,3 +79,93 @@ pub fn solid_angle(corners: Corners) -> f64 {
     let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
     2.0 * volume.atan2(denominator)
 }
+
+/// Deepest level for which [`radius`] is tabulated.
+pub const MAX_LEVEL: usize = 9;
+
+/// Largest angle between the centre and a corner of any triangle of a level [rad].
+pub fn radius(level: usize) -> f32 {
+    static RADII: std::sync::LazyLock<[f32; MAX_LEVEL + 1]> = std::sync::LazyLock::new(|| {
+        // The largest triangle of each level is the middle one: the octant's centre grows slowest under subdivision.
+        let mut radii = [0.0; MAX_LEVEL + 1];
+        let mut corners = octant_corners(0);
+        for radius in &mut radii {
+            *radius = corners[0].dot(centre(corners)).min(1.0).acos();
+            corners = edge_midpoints(corners);
+        }
+        radii
+    });
+    RADII[level.min(MAX_LEVEL)]
+}
+
+/// Direction in the middle of a triangle.
+pub fn centre([a, b, c]: Corners) -> Vec3 {
+    (a + b + c).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn visit(corners: Corners, level: usize, leaf: &mut impl FnMut(Corners)) {
+        if level == 0 {
+            return leaf(corners);
+        }
+        let midpoints = edge_midpoints(corners);
+        for child in 0..4 {
+            visit(child_corners(corners, midpoints, child), level - 1, leaf);
+        }
+    }
+
+    #[test]
+    fn solid_angles_fill_the_sphere_and_vary_as_published() {
+        // `exact_cases.md` 2f.
+        for (level, ratio) in [(1, 1.622), (2, 1.962), (3, 2.068), (4, 2.096), (5, 2.104)] {
+            let (mut sum, mut low, mut high) = (0.0, f64::INFINITY, 0.0f64);
+            for octant in 0..8 {
+                visit(octant_corners(octant), level, &mut |c| {
+                    let omega = solid_angle(c);
+                    sum += omega;
+                    low = low.min(omega);
+                    high = high.max(omega);
+                });
+            }
+            // Corners are f32: their rounding moves each triangle's angle by some 1e-7 of its size.
+            assert!((sum - 4.0 * std::f64::consts::PI).abs() < 1e-5, "level {level}: {sum}");
+            assert!((high / low - ratio).abs() < 1e-3, "level {level}: {}", high / low);
+        }
+    }
+
+    #[test]
+    fn no_triangle_is_wider_than_the_tabulated_radius() {
+        for level in 0..6 {
+            for octant in 0..8 {
+                visit(octant_corners(octant), level, &mut |c| {
+                    for corner in c {
+                        let angle = corner.dot(centre(c)).min(1.0).acos();
+                        assert!(angle <= radius(level) + 1e-3, "level {level}: {angle} {}", radius(level));
+                    }
+                });
+            }
+        }
+    }
+
+    #[test]
+    fn the_descent_ends_in_a_triangle_that_holds_the_direction() {
+        for i in 0..2000 {
+            let (u, v) = (crate::geometry::hash::unit(i, 1), crate::geometry::hash::unit(i, 2));
+            let z = 2.0 * u - 1.0;
+            let (s, phi) = ((1.0 - z * z).sqrt(), v * std::f32::consts::TAU);
+            let direction = Vec3::new(s * phi.cos(), s * phi.sin(), z);
+            let mut corners = octant_corners(octant(direction));
+            for _ in 0..6 {
+                let midpoints = edge_midpoints(corners);
+                let child = child_of(corners, midpoints, direction);
+                corners = child_corners(corners, midpoints, child);
+            }
+            let b = barycentric(corners, direction);
+            let back = (corners[0] * b.x + corners[1] * b.y + corners[2] * b.z).normalize();
+            assert!(back.distance(direction) < 1e-5, "{direction} {back}");
+        }
+    }
+}

@@ -43,6 +43,52 @@ pub fn evaluate(words: &[u32], direction: Vec3) -> Rgb {
     Rgb::BLACK
 }
 
+/// Smallest and largest value [mean over channels] that [`evaluate`] can give within `half_angle` [rad] of `axis`.
+///
+/// Proven for the stored function: it is linear in each leaf, so its extremes stand at corners.
+pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) {
+    let mut reach = [f32::NEG_INFINITY; octahedron::MAX_LEVEL + 1];
+    for (level, cosine) in reach.iter_mut().enumerate() {
+        let angle = half_angle + octahedron::radius(level);
+        if angle < std::f32::consts::PI {
+            *cosine = angle.cos();
+        }
+    }
+    let (mut low, mut high) = (f32::INFINITY, 0.0f32);
+    let mut pending: Vec<(u32, octahedron::Corners, usize)> =
+        (0..8).map(|octant| (words[1 + octant], octahedron::octant_corners(octant), 0)).collect();
+    while let Some((node, corners, level)) = pending.pop() {
+        if octahedron::centre(corners).dot(axis) < reach[level.min(octahedron::MAX_LEVEL)] {
+            continue;
+        }
+        if node == 0 {
+            low = 0.0;
+            continue;
+        }
+        let position = (node & !LEAF) as usize;
+        if node & LEAF != 0 {
+            for &word in &words[position..position + 3] {
+                let value = decode(word).mean();
+                low = low.min(value);
+                high = high.max(value);
+            }
+            continue;
+        }
+        let midpoints = octahedron::edge_midpoints(corners);
+        for child in 0..4 {
+            let corners = octahedron::child_corners(corners, midpoints, child);
+            pending.push((words[position + child], corners, level + 1));
+        }
+    }
+    let scale = f32::from_bits(words[0]);
+    (low.min(high) * scale, high * scale)
+}
+
+/// Largest stored value [mean over channels].
+pub fn peak(words: &[u32]) -> f32 {
+    bounds_in_cone(words, Vec3::Z, std::f32::consts::PI).1
+}
+
 /// Number of leaves that hold colours, and the largest depth, of the distribution that starts at `words[0]`.
 pub fn leaves_and_depth(words: &[u32]) -> (usize, usize) {
     fn visit(words: &[u32], node: u32, depth: usize) -> (usize, usize) {

@@ -1,0 +1,160 @@
+//! Reflection models. A material is Lambert plus at most one lobe; each lobe evaluates without its colour.
+
+mod phong;
+mod ward;
+
+use crate::radiometry::Rgb;
+use crate::scene::{Gloss, Material};
+use glam::Vec3;
+
+/// Share of its peak below which a lobe counts as nothing when samples are culled.
+const CUTOFF: f32 = 1e-4;
+
+/// Shape of a glossy lobe, colour aside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Shape {
+    /// Exponent.
+    Phong(f32),
+    /// Roughness, above zero.
+    Ward(f32),
+}
+
+/// A glossy lobe of a material as the solver uses it.
+#[derive(Clone, Debug)]
+pub struct Lobe {
+    /// Colour: Ks or ρs.
+    pub specular: Rgb,
+    shape: Shape,
+    /// Angle from the mirror direction at which the lobe has half its peak [rad].
+    pub half_width: f32,
+    /// Angle from the mirror direction beyond which the lobe is nothing [rad].
+    pub cutoff: f32,
+    /// Directional albedo for specular = 1 at cos θ = i / (n - 1).
+    albedo: [f32; ALBEDO_ENTRIES],
+}
+
+const ALBEDO_ENTRIES: usize = 33;
+
+impl Lobe {
+    /// The lobe of `material`, if it is glossy. Lobes sharper than `sharpest` (Ward roughness) are widened to it.
+    pub fn of(material: &Material, sharpest: f32) -> Option<Self> {
+        if !material.is_glossy() {
+            return None;
+        }
+        let (specular, shape) = match material.gloss {
+            Gloss::None => return None,
+            // The exponent of like width: mirror-angle Gaussian matched to Ward's half-angle Gaussian.
+            Gloss::Phong { specular, exponent } => {
+                (specular, Shape::Phong(exponent.min(0.5 / (sharpest * sharpest))))
+            }
+            Gloss::Ward { specular, roughness } => (specular, Shape::Ward(roughness.max(sharpest))),
+        };
+        let (half_width, cutoff) = match shape {
+            Shape::Phong(exponent) => (phong::angle_of(exponent, 0.5), phong::angle_of(exponent, CUTOFF)),
+            Shape::Ward(roughness) => (ward::angle_of(roughness, 0.5), ward::angle_of(roughness, CUTOFF)),
+        };
+        let mut albedo = [0.0; ALBEDO_ENTRIES];
+        for (i, entry) in albedo.iter_mut().enumerate() {
+            let cosine = i as f32 / (ALBEDO_ENTRIES - 1) as f32;
+            *entry = match shape {
+                Shape::Phong(exponent) => phong::albedo(exponent, cosine),
+                Shape::Ward(roughness) => ward::albedo(roughness, cosine),
+            };
+        }
+        Some(Self { specular, shape, half_width, cutoff, albedo })
+    }
+
+    /// BRDF for specular = 1 [sr⁻¹]. Directions unit, leaving the surface; zero when either is below it.
+    pub fn eval(&self, normal: Vec3, wi: Vec3, wo: Vec3) -> f32 {
+        let (cos_i, cos_o) = (normal.dot(wi), normal.dot(wo));
+        if cos_i <= 0.0 || cos_o <= 0.0 {
+            return 0.0;
+        }
+        match self.shape {
+            Shape::Phong(exponent) => phong::eval(exponent, reflect(normal, wi).dot(wo)),
+            Shape::Ward(roughness) => ward::eval(roughness, cos_i, cos_o, wi.dot(wo)),
+        }
+    }
+
+    /// Share of the light from an angle with cosine `cos_i` that a lobe with specular = 1 reflects.
+    pub fn albedo(&self, cos_i: f32) -> f32 {
+        let x = cos_i.clamp(0.0, 1.0) * (ALBEDO_ENTRIES - 1) as f32;
+        let i = (x as usize).min(ALBEDO_ENTRIES - 2);
+        let t = x - i as f32;
+        self.albedo[i] * (1.0 - t) + self.albedo[i + 1] * t
+    }
+
+    /// The lobe's shape.
+    pub(crate) fn shape(&self) -> Shape {
+        self.shape
+    }
+}
+
+/// Mirror direction of `wi` about `normal`; both leave the surface.
+pub fn reflect(normal: Vec3, wi: Vec3) -> Vec3 {
+    normal * (2.0 * normal.dot(wi)) - wi
+}
+
+/// Value of a lobe with specular = 1 for prepared cosines.
+pub(crate) fn eval_shape(shape: Shape, mirror_dot: f32, cos_i: f32, cos_o: f32, wi_dot_wo: f32) -> f32 {
+    match shape {
+        Shape::Phong(exponent) => phong::eval(exponent, mirror_dot),
+        Shape::Ward(roughness) => ward::eval(roughness, cos_i, cos_o, wi_dot_wo),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lobe(gloss: Gloss) -> Lobe {
+        let material = Material { gloss, ..Material::lambert("m", Rgb::BLACK) };
+        Lobe::of(&material, 0.0).expect("glossy")
+    }
+
+    fn quadrature(lobe: &Lobe, cosine: f32) -> f64 {
+        let wi = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+        let (rings, spokes) = (600, 1200);
+        let mut sum = 0.0f64;
+        for ring in 0..rings {
+            let theta = (ring as f32 + 0.5) / rings as f32 * std::f32::consts::FRAC_PI_2;
+            for spoke in 0..spokes {
+                let phi = (spoke as f32 + 0.5) / spokes as f32 * std::f32::consts::TAU;
+                let wo = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+                sum += f64::from(lobe.eval(Vec3::Z, wi, wo) * wo.z * theta.sin());
+            }
+        }
+        sum * std::f64::consts::FRAC_PI_2 / f64::from(rings) * std::f64::consts::TAU / f64::from(spokes)
+    }
+
+    #[test]
+    fn phong_albedo_has_the_published_values() {
+        // `exact_cases.md` 2e: a at 0°, 30°, 60°.
+        for (n, expected) in [(1.0, [1.0, 0.8808, 0.6090]), (10.0, [1.0, 0.8660, 0.5047]), (50.0, [1.0, 0.8660, 0.5])] {
+            let lobe = lobe(Gloss::Phong { specular: Rgb::WHITE, exponent: n });
+            for (degrees, a) in [0.0f32, 30.0, 60.0].into_iter().zip(expected) {
+                let found = lobe.albedo(degrees.to_radians().cos());
+                assert!((found - a).abs() < 2e-3, "n {n}, {degrees}°: {found} against {a}");
+            }
+        }
+    }
+
+    #[test]
+    fn ward_albedo_is_the_integral_of_eval_and_within_one() {
+        for roughness in [0.05, 0.2] {
+            let lobe = lobe(Gloss::Ward { specular: Rgb::WHITE, roughness });
+            for cosine in [1.0, 0.75, 0.5, 0.25] {
+                let (table, integral) = (f64::from(lobe.albedo(cosine)), quadrature(&lobe, cosine));
+                assert!((table - integral).abs() < 5e-3 && table <= 1.0, "{roughness} {cosine}: {table} {integral}");
+            }
+        }
+    }
+
+    #[test]
+    fn lobes_are_reciprocal() {
+        let lobe = lobe(Gloss::Ward { specular: Rgb::WHITE, roughness: 0.15 });
+        let (a, b) = (Vec3::new(0.3, 0.2, 0.9).normalize(), Vec3::new(-0.4, 0.1, 0.8).normalize());
+        let (there, back) = (lobe.eval(Vec3::Z, a, b), lobe.eval(Vec3::Z, b, a));
+        assert!((there - back).abs() <= 1e-5 * there && there > 0.0, "{there} {back}");
+    }
+}

@@ -1,0 +1,42 @@
+//! Normalised modified Phong, f = (n+2)/2π cosⁿα (Lafortune & Willems 1994).
+
+use std::f32::consts::TAU;
+
+/// Value for the cosine of the angle to the mirror direction [sr⁻¹].
+pub(super) fn eval(exponent: f32, mirror_dot: f32) -> f32 {
+    if mirror_dot <= 0.0 {
+        return 0.0;
+    }
+    (exponent + 2.0) / TAU * power(mirror_dot, exponent)
+}
+
+/// base^exponent for a base in (0, 1].
+fn power(base: f32, exponent: f32) -> f32 {
+    (exponent * base.min(1.0).ln()).exp()
+}
+
+/// Angle at which the lobe has `share` of its peak [rad]; at most a right angle.
+pub(super) fn angle_of(exponent: f32, share: f32) -> f32 {
+    if exponent <= 0.0 {
+        return std::f32::consts::FRAC_PI_2;
+    }
+    (share.ln() / exponent).exp().acos()
+}
+
+/// Directional albedo: ∫ f cos θo dωo, by stratified sampling of the lobe with density (n+1)/2π cosⁿα.
+pub(super) fn albedo(exponent: f32, cosine: f32) -> f32 {
+    const SIDE: usize = 64;
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let mut sum = 0.0f64;
+    for i in 0..SIDE {
+        let u = (i as f32 + 0.5) / SIDE as f32;
+        let cos_alpha = u.powf(1.0 / (exponent + 1.0));
+        let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
+        for j in 0..SIDE {
+            let phi = (j as f32 + 0.5) / SIDE as f32 * TAU;
+            // Height above the surface of a direction at angle α, φ about a mirror direction of height `cosine`.
+            sum += f64::from((cosine * cos_alpha + sine * sin_alpha * phi.cos()).max(0.0));
+        }
+    }
+    (sum / (SIDE * SIDE) as f64) as f32 * (exponent + 2.0) / (exponent + 1.0)
+}

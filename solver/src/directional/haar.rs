@@ -1,0 +1,401 @@
+//! Top-down projection on the adaptive, balanced octahedral basis (§4.2).
+//!
+//! A cell is split while the function varies over it by more than ε of its centre value; the result is packed for
+//! files and shaders. Neighbouring cells differ by at most one level, and a corner that hangs in the middle of a
+//! larger neighbour's edge takes the mean of that edge's ends: linear interpolation is continuous.
+//! Cost: one evaluation of the function per corner and per centre of a cell.
+
+use super::octahedron::{self, Corners};
+use super::packed;
+use crate::radiometry::Rgb;
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+/// A function over directions that is to be projected.
+pub trait Source {
+    /// Radiance towards `direction`, given the candidates in `range` of the list that [`Self::narrow`] writes.
+    fn eval(&mut self, candidates: &[u32], direction: Vec3) -> Rgb;
+
+    /// Appends to `kept` those of `candidates` that can matter within `radius` [rad] of `centre`. A source without
+    /// candidates appends nothing.
+    fn narrow(&self, candidates: &[u32], centre: Vec3, level: usize, kept: &mut Vec<u32>);
+
+    /// All candidates.
+    fn candidate_count(&self) -> u32;
+
+    /// A value that the function may reach in a cell with these candidates although no sample shows it: cells much
+    /// larger than the sharpest feature are split while this matters. Zero for sources that know no bound.
+    fn hidden_peak(&self, candidates: &[u32], level: usize) -> f32;
+}
+
+/// How finely to project.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection {
+    /// Every cell is split at least this often.
+    pub min_level: u32,
+    /// And at most this often.
+    pub max_level: u32,
+    /// Largest deviation within a cell, as a share of its centre value plus `floor`.
+    pub epsilon: f32,
+    /// Radiance that is added to the centre value before the comparison: what is far below it is not refined. With
+    /// the centre value switched off (`relative` false) this makes the absolute refiner of figure 8.
+    pub floor: f32,
+    /// Compare with the centre value too.
+    pub relative: bool,
+    /// Cells wholly below the plane with this normal are not stored.
+    pub horizon: Option<Vec3>,
+    /// The integral that the result must have [mean over channels]: over the sphere, or cosine-weighted over the
+    /// horizon's hemisphere if there is one. `None`: as sampled.
+    pub integral: Option<f32>,
+}
+
+/// What a projection cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProjectionCost {
+    /// Leaf cells that hold light: basis functions.
+    pub basis_functions: u64,
+    /// Evaluations of the source.
+    pub evaluations: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    vertices: [u32; 3],
+    /// First of four children, 0 for none: the octants take 0..8, so no child has the number 0.
+    first_child: u32,
+    candidates: (u32, u32),
+    level: u8,
+    below_horizon: bool,
+}
+
+/// Scratch memory of projections; one per thread.
+#[derive(Default)]
+pub struct Projector {
+    cells: Vec<Cell>,
+    directions: Vec<Vec3>,
+    values: Vec<Rgb>,
+    midpoints: FxHashMap<(u32, u32), u32>,
+    candidates: Vec<u32>,
+    evaluations: u64,
+}
+
+/// Vertices 0..6 of every projection: +x, +y, +z, -x, -y, -z.
+const AXES: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+
+impl Projector {
+    /// Projects `source` and appends the packed distribution to `words`.
+    pub fn project(&mut self, source: &mut impl Source, how: &Projection, words: &mut Vec<u32>) -> ProjectionCost {
+        self.reset(source, how);
+        let mut pending: Vec<u32> = (0..8).rev().collect();
+        while let Some(cell) = pending.pop() {
+            if self.wants_split(cell, source, how) {
+                let first = self.split(cell, source, how);
+                pending.extend((first..first + 4).rev());
+            }
+        }
+        self.balance(source, how);
+        self.constrain_hanging_vertices();
+        let scale = how.integral.map_or(1.0, |target| self.correction(target, how.horizon));
+        let basis_functions = self.pack(scale, words);
+        ProjectionCost { basis_functions, evaluations: self.evaluations }
+    }
+
+    fn reset(&mut self, source: &mut impl Source, how: &Projection) {
+        self.cells.clear();
+        self.midpoints.clear();
+        self.candidates.clear();
+        self.candidates.extend(0..source.candidate_count());
+        self.directions.clear();
+        self.directions.extend(AXES);
+        self.values.clear();
+        let all = 0..self.candidates.len();
+        self.values.extend(AXES.map(|axis| source.eval(&self.candidates[all.clone()], axis)));
+        self.evaluations = 6;
+        for octant in 0..8u32 {
+            let vertices = [0, 1, 2].map(|axis| axis + 3 * (octant >> axis & 1));
+            self.push_cell(vertices, (0, all.end as u32), 0, source, how);
+        }
+    }
+
+    fn corners(&self, cell: &Cell) -> Corners {
+        cell.vertices.map(|v| self.directions[v as usize])
+    }
+
+    fn push_cell(
+        &mut self,
+        vertices: [u32; 3],
+        (start, end): (u32, u32),
+        level: u8,
+        source: &impl Source,
+        how: &Projection,
+    ) {
+        let mut cell = Cell { vertices, first_child: 0, candidates: (0, 0), level, below_horizon: false };
+        let centre = octahedron::centre(self.corners(&cell));
+        let radius = octahedron::radius(usize::from(level));
+        cell.below_horizon = how.horizon.is_some_and(|normal| normal.dot(centre) < -radius.sin());
+        let first = self.candidates.len();
+        if !cell.below_horizon {
+            // `narrow` reads from the front of the list and appends to it: split off what it reads.
+            let parents: Vec<u32> = self.candidates[start as usize..end as usize].to_vec();
+            source.narrow(&parents, centre, usize::from(level), &mut self.candidates);
+        }
+        cell.candidates = (first as u32, self.candidates.len() as u32);
+        self.cells.push(cell);
+    }
+
+    fn eval(&mut self, cell: u32, source: &mut impl Source, direction: Vec3) -> Rgb {
+        let (start, end) = self.cells[cell as usize].candidates;
+        self.evaluations += 1;
+        source.eval(&self.candidates[start as usize..end as usize], direction)
+    }
+
+    fn wants_split(&mut self, index: u32, source: &mut impl Source, how: &Projection) -> bool {
+        let cell = self.cells[index as usize];
+        let level = u32::from(cell.level);
+        if cell.below_horizon || level >= how.max_level {
+            return false;
+        }
+        if level < how.min_level {
+            return true;
+        }
+        let values = cell.vertices.map(|v| self.values[v as usize]);
+        let (start, end) = cell.candidates;
+        let hidden = source.hidden_peak(&self.candidates[start as usize..end as usize], level as usize);
+        let centre = self.eval(index, source, octahedron::centre(self.corners(&cell)));
+        let largest = values.iter().fold(centre, |m, &v| m.max(v));
+        let smallest = values.iter().fold(centre, |m, &v| m.min(v));
+        let reference = how.floor + if how.relative { centre.mean() } else { 0.0 };
+        (largest - smallest).max_channel().max(hidden) > how.epsilon * reference
+    }
+
+    /// Splits a leaf; returns its first child.
+    fn split(&mut self, index: u32, source: &mut impl Source, how: &Projection) -> u32 {
+        let cell = self.cells[index as usize];
+        let [a, b, c] = cell.vertices;
+        let m12 = self.midpoint(index, b, c, source);
+        let m20 = self.midpoint(index, c, a, source);
+        let m01 = self.midpoint(index, a, b, source);
+        let first = self.cells.len() as u32;
+        for vertices in [[a, m01, m20], [m01, b, m12], [m20, m12, c], [m12, m20, m01]] {
+            self.push_cell(vertices, cell.candidates, cell.level + 1, source, how);
+        }
+        self.cells[index as usize].first_child = first;
+        first
+    }
+
+    fn midpoint(&mut self, cell: u32, a: u32, b: u32, source: &mut impl Source) -> u32 {
+        let key = (a.min(b), a.max(b));
+        if let Some(&vertex) = self.midpoints.get(&key) {
+            return vertex;
+        }
+        let direction = (self.directions[a as usize] + self.directions[b as usize]).normalize();
+        let value = self.eval(cell, source, direction);
+        let vertex = self.directions.len() as u32;
+        self.directions.push(direction);
+        self.values.push(value);
+        self.midpoints.insert(key, vertex);
+        vertex
+    }
+
+    fn midpoint_of(&self, a: u32, b: u32) -> Option<u32> {
+        self.midpoints.get(&(a.min(b), a.max(b))).copied()
+    }
+
+    fn edges(cell: &Cell) -> [(u32, u32); 3] {
+        let [a, b, c] = cell.vertices;
+        [(a, b), (b, c), (c, a)]
+    }
+
+    /// Splits leaves until no neighbour across an edge is more than one level deeper.
+    fn balance(&mut self, source: &mut impl Source, how: &Projection) {
+        let mut changed = true;
+        while changed {
+            changed = false;
+            for index in 0..self.cells.len() {
+                let cell = self.cells[index];
+                if cell.first_child != 0 || cell.below_horizon {
+                    continue;
+                }
+                let too_deep = Self::edges(&cell).into_iter().any(|(a, b)| {
+                    self.midpoint_of(a, b)
+                        .is_some_and(|m| self.midpoint_of(a, m).is_some() || self.midpoint_of(m, b).is_some())
+                });
+                if too_deep {
+                    self.split(index as u32, source, how);
+                    changed = true;
+                }
+            }
+        }
+    }
+
+    /// Gives vertices that hang in a larger neighbour's edge the mean of its ends, larger cells first.
+    fn constrain_hanging_vertices(&mut self) {
+        let deepest = self.cells.iter().map(|c| c.level).max().unwrap_or(0);
+        for level in 0..deepest {
+            for index in 0..self.cells.len() {
+                let cell = self.cells[index];
+                if cell.level != level || cell.first_child != 0 || cell.below_horizon {
+                    continue;
+                }
+                for (a, b) in Self::edges(&cell) {
+                    if let Some(m) = self.midpoint_of(a, b) {
+                        self.values[m as usize] = (self.values[a as usize] + self.values[b as usize]) * 0.5;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The factor that gives the projection the integral `target`; a projection that is off by more than a factor
+    /// of two has missed something that no factor mends.
+    fn correction(&self, target: f32, horizon: Option<Vec3>) -> f32 {
+        let mut sum = 0.0f64;
+        for cell in &self.cells {
+            if cell.first_child != 0 || cell.below_horizon {
+                continue;
+            }
+            let corners = self.corners(cell);
+            let cosine = match horizon {
+                Some(normal) => corners.iter().map(|c| c.dot(normal).max(0.0)).sum::<f32>() / 3.0,
+                None => 1.0,
+            };
+            let value = cell.vertices.iter().map(|&v| self.values[v as usize].mean()).sum::<f32>() / 3.0;
+            sum += octahedron::solid_angle(corners) * f64::from(cosine * value);
+        }
+        if sum > 0.0 { ((f64::from(target) / sum) as f32).clamp(0.5, 2.0) } else { 1.0 }
+    }
+
+    fn pack(&self, factor: f32, words: &mut Vec<u32>) -> u64 {
+        let largest = self.values.iter().fold(0.0f32, |m, v| m.max(v.max_channel())) * factor;
+        // A power of two that brings the largest value near the top of RGB9E5's range.
+        let exponent = ((largest.to_bits() >> 23) as i32 - 127 - 15).clamp(-126, 127);
+        let scale = if largest > 0.0 { f32::from_bits(((exponent + 127) as u32) << 23) } else { 1.0 };
+        let start = words.len();
+        words.push(scale.to_bits());
+        words.extend([0; 8]);
+        let mut leaves = 0;
+        // (cell, position of its node word relative to start)
+        let mut pending: Vec<(u32, usize)> = (0..8).rev().map(|octant| (octant, 1 + octant as usize)).collect();
+        while let Some((index, slot)) = pending.pop() {
+            let cell = self.cells[index as usize];
+            let position = words.len() - start;
+            if cell.first_child != 0 {
+                words[start + slot] = position as u32;
+                words.extend([0; 4]);
+                pending.extend((0..4).rev().map(|child| (cell.first_child + child, position + child as usize)));
+            } else if !cell.below_horizon {
+                let colours = cell.vertices.map(|v| packed::encode(self.values[v as usize] * (factor / scale)));
+                if colours != [0; 3] {
+                    words[start + slot] = position as u32 | packed::LEAF;
+                    words.extend(colours);
+                    leaves += 1;
+                }
+            }
+        }
+        leaves
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::hash;
+
+    /// A function without candidates.
+    struct Plain<F: Fn(Vec3) -> f32>(F);
+
+    impl<F: Fn(Vec3) -> f32> Source for Plain<F> {
+        fn eval(&mut self, _: &[u32], direction: Vec3) -> Rgb {
+            Rgb::splat((self.0)(direction))
+        }
+        fn narrow(&self, _: &[u32], _: Vec3, _: usize, _: &mut Vec<u32>) {}
+        fn candidate_count(&self) -> u32 {
+            0
+        }
+        fn hidden_peak(&self, _: &[u32], _: usize) -> f32 {
+            0.0
+        }
+    }
+
+    fn direction(i: u32) -> Vec3 {
+        let z = 2.0 * hash::unit(i, 11) - 1.0;
+        let (s, phi) = ((1.0 - z * z).sqrt(), hash::unit(i, 12) * std::f32::consts::TAU);
+        Vec3::new(s * phi.cos(), s * phi.sin(), z)
+    }
+
+    const HOW: Projection = Projection {
+        min_level: 2,
+        max_level: 6,
+        epsilon: 0.1,
+        floor: 0.01,
+        relative: true,
+        horizon: None,
+        integral: None,
+    };
+
+    #[test]
+    fn a_constant_takes_the_minimum_level_only() {
+        for min_level in 0..4 {
+            let mut words = Vec::new();
+            let how = Projection { min_level, ..HOW };
+            let cost = Projector::default().project(&mut Plain(|_| 3.0), &how, &mut words);
+            assert_eq!(cost.basis_functions, 8 * 4u64.pow(min_level));
+            assert!(packed::is_well_formed(&words));
+            // Barycentric weights sum to 1 within rounding.
+            assert!((packed::evaluate(&words, direction(5)).g - 3.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_error_falls_with_epsilon_and_costs_cells() {
+        let f = |d: Vec3| (d.dot(Vec3::new(0.3, 0.5, 0.8).normalize()).max(0.0)).powi(20);
+        let (mut last_error, mut last_cells) = (f64::INFINITY, 0);
+        for epsilon in [0.8, 0.4, 0.2, 0.1] {
+            let mut words = Vec::new();
+            let cost = Projector::default().project(&mut Plain(f), &Projection { epsilon, ..HOW }, &mut words);
+            let error = (0..4000)
+                .map(|i| f64::from(packed::evaluate(&words, direction(i)).g - f(direction(i))).powi(2))
+                .sum::<f64>();
+            assert!(error < last_error && cost.basis_functions > last_cells, "{epsilon}: {error} {last_error}");
+            (last_error, last_cells) = (error, cost.basis_functions);
+        }
+    }
+
+    #[test]
+    fn neighbours_differ_by_one_level_at_most_and_agree_on_their_edge() {
+        let f = |d: Vec3| (d.dot(Vec3::new(-0.2, 0.9, 0.1).normalize()).max(0.0)).powi(800);
+        let mut projector = Projector::default();
+        let mut words = Vec::new();
+        projector.project(&mut Plain(f), &Projection { min_level: 3, ..HOW }, &mut words);
+        for cell in projector.cells.iter().filter(|c| c.first_child == 0) {
+            for (a, b) in Projector::edges(cell) {
+                if let Some(m) = projector.midpoint_of(a, b) {
+                    assert!(projector.midpoint_of(a, m).is_none() && projector.midpoint_of(m, b).is_none());
+                    let mean = (projector.values[a as usize] + projector.values[b as usize]) * 0.5;
+                    assert_eq!(projector.values[m as usize], mean);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_adaptive_basis_at_one_level_is_the_uniform_basis() {
+        // The plain twin: every cell at level 3, interpolated between exact corner values.
+        let f = |d: Vec3| 2.0 + d.x + d.y * d.z;
+        let mut words = Vec::new();
+        let how = Projection { min_level: 3, max_level: 3, ..HOW };
+        Projector::default().project(&mut Plain(f), &how, &mut words);
+        for i in 0..1000 {
+            let d = direction(i);
+            let mut corners = octahedron::octant_corners(octahedron::octant(d));
+            for _ in 0..3 {
+                let m = octahedron::edge_midpoints(corners);
+                corners = octahedron::child_corners(corners, m, octahedron::child_of(corners, m, d));
+            }
+            let expected = octahedron::barycentric(corners, d).dot(Vec3::from(corners.map(f)));
+            let found = packed::evaluate(&words, d).r;
+            // Nine bits of mantissa.
+            assert!((found - expected).abs() <= expected / 512.0, "{found} {expected}");
+        }
+    }
+}

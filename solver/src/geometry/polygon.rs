@@ -1,0 +1,181 @@
+//! Convex planar polygons of three or four corners, and their exact form factors to a point.
+
+use glam::{Vec2, Vec3};
+
+/// A convex, planar triangle or quad, counter-clockwise seen from its front.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polygon {
+    corners: [Vec3; 4],
+    count: usize,
+}
+
+impl Polygon {
+    /// From three or four corners.
+    pub fn new(corners: &[Vec3]) -> Self {
+        debug_assert!(corners.len() == 3 || corners.len() == 4);
+        let mut all = [corners[0]; 4];
+        all[..corners.len()].copy_from_slice(corners);
+        Self { corners: all, count: corners.len() }
+    }
+
+    /// Its corners.
+    pub fn corners(&self) -> &[Vec3] {
+        &self.corners[..self.count]
+    }
+
+    /// Vector area: normal times area [m²].
+    pub fn vector_area(&self) -> Vec3 {
+        let c = &self.corners;
+        if self.count == 4 {
+            (c[2] - c[0]).cross(c[3] - c[1]) * 0.5
+        } else {
+            (c[1] - c[0]).cross(c[2] - c[0]) * 0.5
+        }
+    }
+
+    /// Mean of the corners.
+    pub fn centre(&self) -> Vec3 {
+        let c = &self.corners;
+        if self.count == 4 { (c[0] + c[1] + c[2] + c[3]) * 0.25 } else { (c[0] + c[1] + c[2]) * (1.0 / 3.0) }
+    }
+
+    /// Largest distance of a corner from [`Self::centre`].
+    pub fn radius(&self) -> f32 {
+        let centre = self.centre();
+        self.corners().iter().map(|c| c.distance_squared(centre)).fold(0.0, f32::max).sqrt()
+    }
+
+    /// The point at `uv` of the unit square: bilinear on quads, area-preserving on triangles.
+    pub fn point(&self, uv: Vec2) -> Vec3 {
+        let c = &self.corners;
+        if self.count == 4 {
+            c[0].lerp(c[1], uv.x).lerp(c[3].lerp(c[2], uv.x), uv.y)
+        } else {
+            let s = uv.x.sqrt();
+            c[0] * (1.0 - s) + c[1] * (s * (1.0 - uv.y)) + c[2] * (s * uv.y)
+        }
+    }
+
+    /// Child 0..4 of the 4:1 subdivision by edge midpoints. Child i < 3 (triangle) or i < 4 (quad) holds corner i.
+    pub fn child(&self, child: usize) -> Self {
+        let c = &self.corners;
+        let mid = |a: usize, b: usize| (c[a] + c[b]) * 0.5;
+        if self.count == 4 {
+            let centre = self.centre();
+            let corners = match child {
+                0 => [c[0], mid(0, 1), centre, mid(3, 0)],
+                1 => [mid(0, 1), c[1], mid(1, 2), centre],
+                2 => [centre, mid(1, 2), c[2], mid(2, 3)],
+                _ => [mid(3, 0), centre, mid(2, 3), c[3]],
+            };
+            Self { corners, count: 4 }
+        } else {
+            let (m01, m12, m20) = (mid(0, 1), mid(1, 2), mid(2, 0));
+            match child {
+                0 => Self::new(&[c[0], m01, m20]),
+                1 => Self::new(&[m01, c[1], m12]),
+                2 => Self::new(&[m20, m12, c[2]]),
+                _ => Self::new(&[m12, m20, m01]),
+            }
+        }
+    }
+
+    /// Vector irradiance at `point` of the unoccluded polygon with radiance 1, times π⁻¹ … times π: the vector v
+    /// [sr] with E(n) = L n·v for every normal n whose horizon does not cut the polygon; it points towards the
+    /// polygon. Zero when `point` is behind the polygon's plane.
+    ///
+    /// Lambert's formula, v = ½ Σ γᵢ Γᵢ over the edges (`exact_cases.md` 2a). With `horizon`, only the part
+    /// above the plane through `point` with that normal counts.
+    pub fn vector_irradiance(&self, point: Vec3, horizon: Option<Vec3>) -> Vec3 {
+        let c = self.corners;
+        if (point - c[0]).dot(self.vector_area()) <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let mut directions = [Vec3::ZERO; 5];
+        let mut count = self.count;
+        for (direction, corner) in directions.iter_mut().zip(self.corners()) {
+            *direction = *corner - point;
+        }
+        if let Some(normal) = horizon {
+            count = clip_above(&mut directions, count, normal);
+        }
+        let mut sum = Vec3::ZERO;
+        for i in 0..count {
+            let (a, b) = (directions[i], directions[(i + 1) % count]);
+            let cross = a.cross(b);
+            let sine = cross.length();
+            if sine > 0.0 {
+                sum += cross * (sine.atan2(a.dot(b)) / sine);
+            }
+        }
+        // Counter-clockwise seen from its front: the edges run clockwise around the direction towards the polygon.
+        sum * -0.5
+    }
+}
+
+/// Clips a polygon of directions against the plane through the origin; returns the new count (0..=5).
+fn clip_above(directions: &mut [Vec3; 5], count: usize, normal: Vec3) -> usize {
+    let source = *directions;
+    let heights = source.map(|d| d.dot(normal));
+    if heights[..count].iter().all(|&h| h >= 0.0) {
+        return count;
+    }
+    let mut kept = 0;
+    for i in 0..count {
+        let j = (i + 1) % count;
+        if heights[i] >= 0.0 {
+            directions[kept] = source[i];
+            kept += 1;
+        }
+        if (heights[i] > 0.0 && heights[j] < 0.0) || (heights[i] < 0.0 && heights[j] > 0.0) {
+            let t = heights[i] / (heights[i] - heights[j]);
+            directions[kept] = source[i].lerp(source[j], t);
+            kept += 1;
+        }
+    }
+    if kept < 3 { 0 } else { kept }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit_square(z: f32) -> Polygon {
+        // Front towards -z.
+        Polygon::new(&[
+            Vec3::new(0.0, 0.0, z),
+            Vec3::new(0.0, 1.0, z),
+            Vec3::new(1.0, 1.0, z),
+            Vec3::new(1.0, 0.0, z),
+        ])
+    }
+
+    #[test]
+    fn mean_over_the_receiver_is_the_parallel_plates_form_factor() {
+        let square = unit_square(1.0);
+        let n = 64;
+        let mut sum = 0.0f64;
+        for i in 0..n * n {
+            let at = Vec3::new(((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32, 0.0);
+            sum += f64::from(square.vector_irradiance(at, None).z) / std::f64::consts::PI;
+        }
+        let form_factor = sum / f64::from(n * n);
+        // Midpoint rule over 64² points: error O(h²).
+        assert!((form_factor - 0.199824895698387).abs() < 2e-5, "{form_factor}");
+    }
+
+    #[test]
+    fn a_box_around_a_point_fills_the_hemisphere() {
+        let at = Vec3::new(0.3, 0.2, 0.0);
+        let top = unit_square(1.0).vector_irradiance(at, Some(Vec3::Z)).z;
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        let mut sides = 0.0;
+        for i in 0..4 {
+            let (a, b) = (corners[i], corners[(i + 1) % 4]);
+            // Walls from z = -1 to z = 1: the horizon cuts them in half.
+            let wall = Polygon::new(&[b - Vec3::Z, a - Vec3::Z, a + Vec3::Z, b + Vec3::Z]);
+            sides += wall.vector_irradiance(at, Some(Vec3::Z)).z;
+        }
+        assert!((top + sides - std::f32::consts::PI).abs() < 1e-5, "{top} {sides}");
+    }
+}

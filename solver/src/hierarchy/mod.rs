@@ -1,0 +1,256 @@
+//! The hierarchy of light transport: clusters above patches above elements, in one arena.
+//!
+//! Node 0 is the root. Children of a node are contiguous. Clusters come first, elements are appended as they are
+//! made and never removed. A surface that reflects on both sides stands in the tree twice, once a side, so every
+//! element is one-sided. Coordinates are normalised (see [`crate::normalise`]).
+
+mod cluster;
+pub mod patch;
+
+use crate::geometry::Polygon;
+use crate::scene::Material;
+use glam::Vec3;
+use patch::Patch;
+use rustc_hash::FxHashMap;
+
+/// Number of a node; the root is 0.
+pub type NodeId = u32;
+
+/// Stands for "no element", "no child" in 32-bit fields of the arena.
+pub const NONE: u32 = u32::MAX;
+
+/// A cluster or an element as the link refinement sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Box.
+    pub lower: Vec3,
+    /// Box.
+    pub upper: Vec3,
+    /// Element: mean of its corners. Cluster: middle of the box.
+    pub centre: Vec3,
+    /// Radius of a sphere around `centre` that holds the node.
+    pub radius: f32,
+    /// One-sided area; of a cluster, the sum over its patches.
+    pub area: f32,
+    /// Area times largest diffuse plus specular reflectance, summed.
+    pub reflecting_area: f32,
+    /// First child, or [`NONE`].
+    pub first_child: NodeId,
+    /// Number of children.
+    pub child_count: u32,
+    /// Parent, or [`NONE`] for the root.
+    pub parent: NodeId,
+    /// Index into [`Hierarchy::elements`], or [`NONE`] for a cluster.
+    pub element: u32,
+}
+
+/// A one-sided patch or part of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    /// Its node.
+    pub node: NodeId,
+    /// Corner points: indices into [`Hierarchy::points`]; the fourth is [`NONE`] for triangles.
+    pub points: [u32; 4],
+    /// Its shape, counter-clockwise from the side that this element stands for.
+    pub polygon: Polygon,
+    /// Geometric normal, unit.
+    pub normal: Vec3,
+    /// Shading normals at the corners, unit: index into [`Hierarchy::shading_normals`], or [`NONE`] for flat.
+    pub shading: u32,
+    /// The patch that it is part of.
+    pub patch: u32,
+    /// Index of its material.
+    pub material: u32,
+    /// It stands for the back of its patch.
+    pub back: bool,
+    /// Subdivisions below the patch.
+    pub level: u8,
+}
+
+impl Element {
+    /// Number of corners, three or four.
+    pub fn corner_count(&self) -> usize {
+        self.polygon.corners().len()
+    }
+}
+
+/// The arena.
+#[derive(Clone, Debug, Default)]
+pub struct Hierarchy {
+    /// Clusters and elements.
+    pub nodes: Vec<Node>,
+    /// One an element node.
+    pub elements: Vec<Element>,
+    /// Positions that elements refer to; edge midpoints are appended.
+    pub points: Vec<Vec3>,
+    /// Corner normals of smooth elements.
+    pub shading_normals: Vec<[Vec3; 4]>,
+    /// The patches.
+    pub patches: Vec<Patch>,
+    midpoints: FxHashMap<(u32, u32), u32>,
+}
+
+impl Hierarchy {
+    /// Clusters and patches; no element is subdivided yet. `points`: normalised.
+    pub fn new(points: Vec<Vec3>, patches: Vec<Patch>, materials: &[Material]) -> Self {
+        let mut hierarchy = Self { points, patches, ..Self::default() };
+        cluster::build(&mut hierarchy, materials);
+        hierarchy
+    }
+
+    /// Node `id`.
+    pub fn node(&self, id: NodeId) -> &Node {
+        &self.nodes[id as usize]
+    }
+
+    /// The element of node `id`, if it is one.
+    pub fn element_of(&self, id: NodeId) -> Option<&Element> {
+        match self.nodes[id as usize].element {
+            NONE => None,
+            element => Some(&self.elements[element as usize]),
+        }
+    }
+
+    /// Children of `id`.
+    pub fn children(&self, id: NodeId) -> std::ops::Range<NodeId> {
+        let node = self.node(id);
+        if node.first_child == NONE { 0..0 } else { node.first_child..node.first_child + node.child_count }
+    }
+
+    /// True when `id` has no child.
+    pub fn is_leaf(&self, id: NodeId) -> bool {
+        self.node(id).first_child == NONE
+    }
+
+    /// Number of clusters.
+    pub fn cluster_count(&self) -> usize {
+        self.nodes.len() - self.elements.len()
+    }
+
+    /// Mean of the shading normals of an element, unit.
+    pub fn shading_normal(&self, element: &Element) -> Vec3 {
+        if element.shading == NONE {
+            return element.normal;
+        }
+        let normals = &self.shading_normals[element.shading as usize];
+        normals[..element.corner_count()].iter().sum::<Vec3>().normalize_or(element.normal)
+    }
+
+    /// The point in the middle of an edge, if some element has been split there.
+    pub fn midpoint(&self, a: u32, b: u32) -> Option<u32> {
+        self.midpoints.get(&(a.min(b), a.max(b))).copied()
+    }
+
+    fn make_midpoint(&mut self, a: u32, b: u32) -> u32 {
+        let points = &mut self.points;
+        *self.midpoints.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            points.push((points[a as usize] + points[b as usize]) * 0.5);
+            points.len() as u32 - 1
+        })
+    }
+
+    /// Splits the leaf element of node `id` 4:1 (§3.1 refines receivers this way).
+    pub fn subdivide(&mut self, id: NodeId) {
+        let parent = *self.element_of(id).expect("only elements are subdivided");
+        debug_assert!(self.is_leaf(id));
+        let p = parent.points;
+        let child_points = if parent.corner_count() == 4 {
+            let m = [0, 1, 2, 3].map(|i| self.make_midpoint(p[i], p[(i + 1) % 4]));
+            let centre = self.make_midpoint(m[0], m[2]);
+            [[p[0], m[0], centre, m[3]], [m[0], p[1], m[1], centre], [centre, m[1], p[2], m[2]], [m[3], centre, m[2], p[3]]]
+        } else {
+            let m = [0, 1, 2].map(|i| self.make_midpoint(p[i], p[(i + 1) % 3]));
+            [[p[0], m[0], m[2], NONE], [m[0], p[1], m[1], NONE], [m[2], m[1], p[2], NONE], [m[1], m[2], m[0], NONE]]
+        };
+        let first = self.nodes.len() as NodeId;
+        for (child, points) in child_points.into_iter().enumerate() {
+            let polygon = parent.polygon.child(child);
+            let shading = self.child_shading(&parent, child);
+            self.push_element(Element { points, polygon, shading, level: parent.level + 1, ..parent }, id);
+        }
+        let per_area = self.node(id).reflecting_area / self.node(id).area;
+        for child in first..first + 4 {
+            let node = &mut self.nodes[child as usize];
+            node.reflecting_area = node.area * per_area;
+        }
+        let node = &mut self.nodes[id as usize];
+        node.first_child = first;
+        node.child_count = 4;
+    }
+
+    fn child_shading(&mut self, parent: &Element, child: usize) -> u32 {
+        if parent.shading == NONE {
+            return NONE;
+        }
+        let n = self.shading_normals[parent.shading as usize];
+        let mid = |a: usize, b: usize| (n[a] + n[b]).normalize_or(parent.normal);
+        let normals = if parent.corner_count() == 4 {
+            let centre = (n[0] + n[1] + n[2] + n[3]).normalize_or(parent.normal);
+            match child {
+                0 => [n[0], mid(0, 1), centre, mid(3, 0)],
+                1 => [mid(0, 1), n[1], mid(1, 2), centre],
+                2 => [centre, mid(1, 2), n[2], mid(2, 3)],
+                _ => [mid(3, 0), centre, mid(2, 3), n[3]],
+            }
+        } else {
+            let (m01, m12, m20) = (mid(0, 1), mid(1, 2), mid(2, 0));
+            match child {
+                0 => [n[0], m01, m20, n[0]],
+                1 => [m01, n[1], m12, m01],
+                2 => [m20, m12, n[2], m20],
+                _ => [m12, m20, m01, m12],
+            }
+        };
+        self.shading_normals.push(normals);
+        self.shading_normals.len() as u32 - 1
+    }
+
+    /// Appends an element and its node; the reflecting area is left to the caller.
+    fn push_element(&mut self, mut element: Element, parent: NodeId) {
+        let polygon = element.polygon;
+        let (lower, upper) = polygon
+            .corners()
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &c| (low.min(c), high.max(c)));
+        element.node = self.nodes.len() as NodeId;
+        self.nodes.push(Node {
+            lower,
+            upper,
+            centre: polygon.centre(),
+            radius: polygon.radius(),
+            area: polygon.vector_area().length(),
+            reflecting_area: 0.0,
+            first_child: NONE,
+            child_count: 0,
+            parent,
+            element: self.elements.len() as u32,
+        });
+        self.elements.push(element);
+    }
+
+    /// Bytes that the arena holds.
+    pub fn bytes(&self) -> usize {
+        self.nodes.len() * size_of::<Node>()
+            + self.elements.len() * size_of::<Element>()
+            + self.points.len() * size_of::<Vec3>()
+            + self.shading_normals.len() * size_of::<[Vec3; 4]>()
+            + self.patches.len() * size_of::<Patch>()
+            + self.midpoints.len() * 12
+    }
+
+    /// Panics unless the invariants hold: children point back, lie in their parent's box and fill its area.
+    pub fn assert_well_formed(&self) {
+        for (id, node) in self.nodes.iter().enumerate() {
+            assert!(node.area > 0.0 && node.radius > 0.0, "node {id} has no area");
+            let mut area = 0.0;
+            for child in self.children(id as NodeId) {
+                let inner = self.node(child);
+                assert_eq!(inner.parent, id as NodeId, "child {child} of {id} points elsewhere");
+                let slack = Vec3::splat(4.0 * f32::EPSILON);
+                assert!(inner.lower.cmpge(node.lower - slack).all() && inner.upper.cmple(node.upper + slack).all());
+                area += inner.area;
+            }
+            assert!(node.first_child == NONE || (area / node.area - 1.0).abs() < 1e-4, "area of node {id}");
+        }
+    }
+}
