@@ -1,13 +1,14 @@
-//! What can be wrong with a file.
+//! What can be wrong with a file, as one line of text.
 
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 /// A file that could not be read or written. Its text is one line that names file, place and what was expected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
     /// The operating system refused.
-    #[error("{path}: {source}", path = path.display())]
+    #[error("{path}: {reason}", path = shown(path), reason = one_line(source))]
     Io {
         /// File.
         path: PathBuf,
@@ -15,7 +16,7 @@ pub enum FormatError {
         source: std::io::Error,
     },
     /// The content of a text file is wrong at a line.
-    #[error("{path}:{line}: {message}", path = path.display())]
+    #[error("{path}:{line}: {text}", path = shown(path), text = one_line(message))]
     Line {
         /// File.
         path: PathBuf,
@@ -25,7 +26,7 @@ pub enum FormatError {
         message: String,
     },
     /// The content of a file is wrong.
-    #[error("{path}: {message}", path = path.display())]
+    #[error("{path}: {text}", path = shown(path), text = one_line(message))]
     Content {
         /// File.
         path: PathBuf,
@@ -33,11 +34,151 @@ pub enum FormatError {
         message: String,
     },
     /// The scene that the file describes is wrong.
-    #[error("{path}: {source}", path = path.display())]
+    #[error("{path}: {reason}", path = shown(path), reason = one_line(source))]
     Scene {
         /// File.
         path: PathBuf,
         /// What is wrong.
         source: sheen_solver::SceneError,
     },
+}
+
+impl FormatError {
+    pub(crate) fn line(path: &Path, line: usize, message: impl Into<String>) -> Self {
+        Self::Line {
+            path: path.to_owned(),
+            line,
+            message: message.into(),
+        }
+    }
+
+    pub(crate) fn content(path: &Path, message: impl Into<String>) -> Self {
+        Self::Content {
+            path: path.to_owned(),
+            message: message.into(),
+        }
+    }
+}
+
+/// For `map_err` on what the operating system answers about `path`.
+pub(crate) fn io_error(path: &Path) -> impl Fn(std::io::Error) -> FormatError + '_ {
+    |source| FormatError::Io {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// Longest message that is shown whole [characters].
+const LONGEST_MESSAGE: usize = 1000;
+/// Longest word from a file that is quoted whole [characters].
+const LONGEST_QUOTE: usize = 60;
+
+fn shown(path: &Path) -> String {
+    escape(&path.display().to_string(), usize::MAX)
+}
+
+fn one_line(text: &impl Display) -> String {
+    escape(&text.to_string(), LONGEST_MESSAGE)
+}
+
+/// `text` without control characters, cut after `longest` characters.
+fn escape(text: &str, longest: usize) -> String {
+    let mut line = String::with_capacity(text.len().min(longest.saturating_mul(4)));
+    for (index, character) in text.chars().enumerate() {
+        if index == longest {
+            line.push('…');
+            break;
+        }
+        // U+2028 and U+2029 end a line without being control characters.
+        if character.is_control() || matches!(character, '\u{2028}' | '\u{2029}') {
+            line.extend(character.escape_default());
+        } else {
+            line.push(character);
+        }
+    }
+    line
+}
+
+/// A word from a file as it stands in a message: in quotes, on one line, not longer than the reader's patience.
+pub(crate) fn quote(word: &str) -> String {
+    format!("'{}'", escape(word, LONGEST_QUOTE))
+}
+
+/// Some names from a file for a message: the first few, and how many more there are.
+pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    const SHOWN: usize = 5;
+    let mut names = names.into_iter();
+    let mut text = names
+        .by_ref()
+        .take(SHOWN)
+        .map(quote)
+        .collect::<Vec<_>>()
+        .join(", ");
+    let more = names.count();
+    if more > 0 {
+        text.push_str(&format!(" and {more} more"));
+    }
+    text
+}
+
+/// ", did you mean 'x'?" with the candidate nearest to `word`; empty when none is near.
+pub(crate) fn suggestion<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
+    let word: String = word.chars().take(LONGEST_QUOTE).collect();
+    let near = word.chars().count().div_ceil(2).max(2);
+    candidates
+        .into_iter()
+        .map(|candidate| (edit_distance(&word, candidate), candidate))
+        .min()
+        .filter(|&(distance, _)| distance <= near)
+        .map_or(String::new(), |(_, candidate)| {
+            format!(", did you mean {}?", quote(candidate))
+        })
+}
+
+/// Insertions, deletions and replacements that turn `a` into `b`; letter case counts for nothing.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b
+        .chars()
+        .take(2 * LONGEST_QUOTE)
+        .flat_map(char::to_lowercase)
+        .collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, letter) in a.chars().flat_map(char::to_lowercase).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &other) in b.iter().enumerate() {
+            let replace = diagonal + usize::from(letter != other);
+            diagonal = row[j + 1];
+            row[j + 1] = replace.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_is_suggested_and_a_far_one_is_not() {
+        assert_eq!(
+            suggestion("fovy", ["eye", "fov_y", "width"]),
+            ", did you mean 'fov_y'?"
+        );
+        assert_eq!(suggestion("zzzzzz", ["eye", "up"]), "");
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn every_text_is_one_line() {
+        let error = FormatError::content(
+            Path::new("a\nb.obj"),
+            format!("x\ny\u{2028}{}", "z".repeat(5000)),
+        );
+        let text = error.to_string();
+        assert!(
+            !text.contains(['\n', '\r', '\u{2028}']) && text.len() < 1200,
+            "{text}"
+        );
+    }
 }

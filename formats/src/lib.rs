@@ -1,6 +1,7 @@
 //! Files in and out: scenes (OBJ/MTL, MGF, sidecar), solutions (`.sheen`), images (EXR, PNG).
 
 pub mod error;
+mod file;
 pub mod image;
 pub mod mgf;
 pub mod obj;
@@ -9,8 +10,11 @@ pub mod solution;
 
 pub use error::FormatError;
 
-use sheen_solver::Scene;
-use std::path::Path;
+use error::list;
+use sheen_solver::{Gloss, Material, Scene, SceneError, SceneParts};
+use sidecar::Sidecar;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// How to read a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,8 +32,154 @@ pub struct Loaded {
     pub notes: Vec<String>,
 }
 
-/// Reads a scene by its extension (`.obj`, `.mgf`) with its sidecar `<scene>.toml`, if there is one.
+/// Reads a scene by its extension (`.obj`, `.mgf`, in any letter case) with its sidecar `<scene>.toml`, if there is
+/// one.
+///
+/// Errors name the file, the line where there is one, and what was expected.
 pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, FormatError> {
-    let _ = (path, options);
-    todo!()
+    let head = file::head(path, 64)?;
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
+    let looks_like = file::looks_like(&head);
+    if !matches!(extension.as_str(), "obj" | "mgf") {
+        let kind = looks_like.map_or(String::new(), |kind| format!(": it looks like {kind}"));
+        return Err(FormatError::content(
+            path,
+            format!("is no scene that can be read, expected .obj or .mgf{kind}"),
+        ));
+    }
+    if let Some(kind) = looks_like {
+        return Err(FormatError::content(
+            path,
+            format!(
+                "looks like {kind}, expected {} text",
+                extension.to_uppercase()
+            ),
+        ));
+    }
+    if file::is_blank(&head) && file::is_blank(file::read_text(path)?.0.as_bytes()) {
+        return Err(FormatError::content(path, "empty scene file"));
+    }
+    let mut places = Places::default();
+    let (mut parts, mut notes) = if extension == "obj" {
+        let scene = obj::read(path, options.lenient)?;
+        places.triangle_lines = scene.triangle_lines;
+        places.materials = scene.material_places;
+        (scene.parts, scene.notes)
+    } else {
+        let scene = mgf::read(path)?;
+        (scene.parts, scene.notes)
+    };
+    let sidecar_path = sidecar::path_for(path);
+    if sidecar_path.exists() {
+        let sidecar = sidecar::read(&sidecar_path)?;
+        sidecar.apply(&mut parts)?;
+        places.add_sidecar(&sidecar);
+    }
+    note_meaning(&parts, &mut notes);
+    let (scene, repairs) =
+        Scene::new(parts, options.lenient).map_err(|error| places.locate(path, error))?;
+    notes.extend(repairs);
+    Ok(Loaded { scene, notes })
+}
+
+/// Where things of a scene stand in its files.
+#[derive(Default)]
+struct Places {
+    /// By triangle, from 1; empty when the format has no lines to tell.
+    triangle_lines: Vec<usize>,
+    materials: BTreeMap<String, (PathBuf, usize)>,
+}
+
+impl Places {
+    fn add_sidecar(&mut self, sidecar: &Sidecar) {
+        for (name, change) in &sidecar.materials {
+            self.materials
+                .insert(name.clone(), (sidecar.path.clone(), change.line));
+        }
+    }
+
+    /// The error with the line that it is about, where that is known.
+    fn locate(&self, path: &Path, error: SceneError) -> FormatError {
+        let place = match &error {
+            SceneError::Index { triangle, .. }
+            | SceneError::NotFinite { triangle }
+            | SceneError::Degenerate { triangle }
+            | SceneError::Duplicate { triangle, .. }
+            | SceneError::Normal { triangle, .. } => self
+                .triangle_lines
+                .get(*triangle)
+                .map(|&line| (path.to_owned(), line)),
+            SceneError::Reflectance { material, .. } | SceneError::Parameter { material, .. } => {
+                self.materials.get(material).cloned()
+            }
+            // The solver names the emitter: material 'lamp'.
+            SceneError::Emission { light, .. } => light
+                .strip_prefix("material '")
+                .and_then(|rest| rest.strip_suffix('\''))
+                .and_then(|name| self.materials.get(name).cloned()),
+            _ => None,
+        };
+        let mut message = error.to_string();
+        if let SceneError::Duplicate { first, .. } = &error
+            && let Some(line) = self.triangle_lines.get(*first)
+        {
+            message.push_str(&format!(", which stands in line {line}"));
+        }
+        match place {
+            Some((path, line)) => FormatError::Line {
+                path,
+                line,
+                message,
+            },
+            None => FormatError::Scene {
+                path: path.to_owned(),
+                source: error,
+            },
+        }
+    }
+}
+
+/// Says what the method makes of things that it cannot represent, and what is missing.
+fn note_meaning(parts: &SceneParts, notes: &mut Vec<String>) {
+    let mut used = vec![false; parts.materials.len()];
+    for triangle in &parts.triangles {
+        if let Some(used) = used.get_mut(triangle.material as usize) {
+            *used = true;
+        }
+    }
+    let named = |which: fn(&Material) -> bool| -> Vec<&str> {
+        let materials = parts.materials.iter().zip(&used);
+        materials
+            .filter(|(m, used)| **used && which(m))
+            .map(|(m, _)| m.name.as_str())
+            .collect()
+    };
+    let mirrors = named(|m| m.is_glossy() && matches!(m.gloss, Gloss::Ward { roughness: 0.0, .. }));
+    if !mirrors.is_empty() {
+        let names = list(mirrors.iter().copied());
+        notes.push(format!(
+            "mirrors become the sharpest lobe that the quality resolves: {names}"
+        ));
+    }
+    let glass = named(Material::is_glass);
+    if !glass.is_empty() {
+        let names = list(glass.iter().copied());
+        notes.push(format!(
+            "clear glass lets visibility rays pass, tinted, and is drawn blended: {names}"
+        ));
+    }
+    if named(|m| !m.emission.is_black()).is_empty()
+        && parts.point_lights.iter().all(|l| l.intensity.is_black())
+    {
+        notes.push("nothing emits: the solution is black".to_owned());
+    }
+    if parts.cameras.is_empty() {
+        notes.push(
+            "no camera is given: a default camera that sees the whole scene is used".to_owned(),
+        );
+    }
 }
