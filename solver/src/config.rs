@@ -22,7 +22,11 @@ impl Quality {
         if (0.0..=4.0).contains(&value) {
             Ok(Self(value))
         } else {
-            Err(SolveError::Setting { setting: "quality", value: f64::from(value), expected: "within 0..4" })
+            Err(SolveError::Setting {
+                setting: "quality",
+                value: f64::from(value),
+                expected: "within 0..4",
+            })
         }
     }
 
@@ -50,7 +54,70 @@ impl FromStr for Quality {
                 .parse::<f32>()
                 .ok()
                 .and_then(|value| Self::new(value).ok())
-                .ok_or_else(|| format!("'{text}' is none of draft, preview, default, high, or a number within 0..4")),
+                .ok_or_else(|| {
+                    format!(
+                        "'{text}' is none of draft, preview, default, high, or a number within 0..4"
+                    )
+                }),
+        }
+    }
+}
+
+/// Everything that follows from the quality. Each knob may be overridden in [`crate::SolveConfig`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Tolerance of a link as a share of the emitted power (§3.1). Smaller: more links, about as its inverse.
+    pub link_tolerance: f32,
+    /// Elements with a smaller radius are not split by links; scene size 1.
+    pub min_radius: f32,
+    /// Stratification of an important link's visibility: its square is cast.
+    pub strata: u32,
+    /// ε of the directional refiner (§4.2). Smaller: more cells.
+    pub epsilon: f32,
+    /// Deepest level of the basis in transport.
+    pub transport_level: u32,
+    /// Deepest level of the basis at vertices.
+    pub display_level: u32,
+    /// Ward roughness that mirrors are widened to.
+    pub sharpest_roughness: f32,
+    /// Iterations stop when less than this share of the emitted power is unshot.
+    pub unshot_share: f32,
+    /// Gather at vertices; otherwise surrounding elements are averaged (§5.2).
+    pub gather: bool,
+    /// Error of a link to a vertex as a share of the irradiance there.
+    pub vertex_tolerance: f32,
+    /// Stratification of a strong link to a vertex.
+    pub vertex_strata: u32,
+    /// Leaves are split while the radiance at their centre is mispredicted by more than this share.
+    pub mesh_tolerance: f32,
+    /// Leaves of the displayed mesh are not larger; scene size 1.
+    pub max_edge: f32,
+    /// And not split below this.
+    pub min_edge: f32,
+}
+
+impl Settings {
+    /// The settings of a quality: geometric between the named ones.
+    pub fn of(quality: Quality) -> Self {
+        let q = quality.value();
+        // Values at quality 0 and 3, interpolated in the logarithm.
+        let knob = |draft: f32, high: f32| draft * (high / draft).powf(q / 3.0);
+        let step = |values: [u32; 4]| values[(q.round() as usize).min(3)];
+        Self {
+            link_tolerance: knob(4e-4, 8e-6),
+            min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
+            strata: step([2, 2, 3, 4]),
+            epsilon: knob(0.5, 0.1),
+            transport_level: step([4, 4, 5, 6]),
+            display_level: step([4, 5, 6, 6]),
+            sharpest_roughness: knob(0.06, 0.02),
+            unshot_share: knob(2e-2, 5e-4),
+            gather: q > 0.0,
+            vertex_tolerance: knob(0.1, 0.006),
+            vertex_strata: step([2, 2, 3, 4]),
+            mesh_tolerance: knob(0.2, 0.02),
+            max_edge: knob(1.0 / 6.0, 1.0 / 32.0),
+            min_edge: knob(1.0 / 32.0, 1.0 / 384.0),
         }
     }
 }

@@ -32,7 +32,9 @@ pub enum SceneError {
         triangle: usize,
     },
     /// A triangle with the same corners and material stands in the scene already.
-    #[error("triangle {triangle}: has the same corners as triangle {first} (use --lenient to drop such triangles)")]
+    #[error(
+        "triangle {triangle}: has the same corners as triangle {first} (use --lenient to drop such triangles)"
+    )]
     Duplicate {
         /// Number of the triangle, from 0.
         triangle: usize,
@@ -40,7 +42,9 @@ pub enum SceneError {
         first: usize,
     },
     /// A shading normal is zero, not finite, not of unit length, or points away from its face.
-    #[error("triangle {triangle}: shading normal {normal:?} {reason} (use --lenient to rebuild it from the face)")]
+    #[error(
+        "triangle {triangle}: shading normal {normal:?} {reason} (use --lenient to rebuild it from the face)"
+    )]
     Normal {
         /// Number of the triangle, from 0.
         triangle: usize,
@@ -50,7 +54,9 @@ pub enum SceneError {
         reason: &'static str,
     },
     /// Reflectance outside [0, 1], or diffuse + specular + transmitted above 1.
-    #[error("material '{material}': {what} is {value}, expected within 0..1 (use --lenient to rescale)")]
+    #[error(
+        "material '{material}': {what} is {value}, expected within 0..1 (use --lenient to rescale)"
+    )]
     Reflectance {
         /// Name of the material.
         material: String,
@@ -106,7 +112,9 @@ pub enum SolveError {
         expected: &'static str,
     },
     /// A surface that reflects everything: the series of reflections has no limit.
-    #[error("material '{material}' reflects {albedo} of what it receives: no finite solution exists, expected below 1")]
+    #[error(
+        "material '{material}' reflects {albedo} of what it receives: no finite solution exists, expected below 1"
+    )]
     NoLoss {
         /// Name of the material.
         material: String,

@@ -9,6 +9,7 @@ pub mod brdf;
 pub mod config;
 pub mod directional;
 pub mod error;
+mod export;
 pub mod geometry;
 pub mod hierarchy;
 pub mod normalise;
@@ -17,6 +18,7 @@ pub mod scene;
 pub mod solution;
 pub mod solve;
 pub mod stats;
+pub mod transport;
 
 pub use config::Quality;
 pub use error::{SceneError, SolveError};

@@ -26,7 +26,11 @@ pub struct Normalised {
 /// The largest power of two not above `x`, for finite x > 0.
 fn floor_power_of_two(x: f32) -> f32 {
     let exponent = x.to_bits() >> 23;
-    if exponent == 0 { f32::MIN_POSITIVE } else { f32::from_bits(exponent << 23) }
+    if exponent == 0 {
+        f32::MIN_POSITIVE
+    } else {
+        f32::from_bits(exponent << 23)
+    }
 }
 
 impl Normalised {
@@ -36,25 +40,53 @@ impl Normalised {
         let centre = low * 0.5 + high * 0.5;
         let extent = (high - low).max_element();
         let length = 0.5 / floor_power_of_two(extent);
-        let points = scene.points().iter().map(|&p| (p - centre) * length).collect();
+        let points = scene
+            .points()
+            .iter()
+            .map(|&p| (p - centre) * length)
+            .collect();
         let strongest = scene
             .materials()
             .iter()
             .map(|m| m.emission.max_channel())
-            .chain(scene.point_lights().iter().map(|l| (l.intensity * length * length).max_channel()))
+            .chain(
+                scene
+                    .point_lights()
+                    .iter()
+                    .map(|l| (l.intensity * length * length).max_channel()),
+            )
             .fold(0.0, f32::max);
-        let radiance = if strongest > 0.0 { 1.0 / floor_power_of_two(strongest) } else { 1.0 };
+        let radiance = if strongest > 0.0 {
+            1.0 / floor_power_of_two(strongest)
+        } else {
+            1.0
+        };
         let materials = scene
             .materials()
             .iter()
-            .map(|m| Material { emission: m.emission * radiance, ..m.clone() })
+            .map(|m| Material {
+                emission: m.emission * radiance,
+                ..m.clone()
+            })
             .collect();
         let point_lights = scene
             .point_lights()
             .iter()
-            .map(|l| ((l.position - centre) * length, l.intensity * (length * length) * radiance))
+            .map(|l| {
+                (
+                    (l.position - centre) * length,
+                    l.intensity * (length * length) * radiance,
+                )
+            })
             .collect();
-        Self { points, materials, point_lights, centre, length, radiance }
+        Self {
+            points,
+            materials,
+            point_lights,
+            centre,
+            length,
+            radiance,
+        }
     }
 
     /// A position in metres.

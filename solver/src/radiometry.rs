@@ -64,12 +64,20 @@ impl Rgb {
 
     /// Channel-wise maximum.
     pub fn max(self, other: Self) -> Self {
-        Self::new(self.r.max(other.r), self.g.max(other.g), self.b.max(other.b))
+        Self::new(
+            self.r.max(other.r),
+            self.g.max(other.g),
+            self.b.max(other.b),
+        )
     }
 
     /// Channel-wise minimum.
     pub fn min(self, other: Self) -> Self {
-        Self::new(self.r.min(other.r), self.g.min(other.g), self.b.min(other.b))
+        Self::new(
+            self.r.min(other.r),
+            self.g.min(other.g),
+            self.b.min(other.b),
+        )
     }
 
     /// The channels as an array.

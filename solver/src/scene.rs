@@ -196,7 +196,9 @@ impl Scene {
     }
     /// Corners of a triangle [m].
     pub fn corners(&self, triangle: &Triangle) -> [Vec3; 3] {
-        triangle.points.map(|index| self.parts.points[index as usize])
+        triangle
+            .points
+            .map(|index| self.parts.points[index as usize])
     }
     /// Smallest and largest corner of the box around all triangles [m].
     pub fn bounds(&self) -> (Vec3, Vec3) {
@@ -205,10 +207,14 @@ impl Scene {
 }
 
 fn bounds(parts: &SceneParts) -> (Vec3, Vec3) {
-    parts.triangles.iter().flat_map(|t| t.points).map(|index| parts.points[index as usize]).fold(
-        (Vec3::INFINITY, Vec3::NEG_INFINITY),
-        |(low, high), p| (low.min(p), high.max(p)),
-    )
+    parts
+        .triangles
+        .iter()
+        .flat_map(|t| t.points)
+        .map(|index| parts.points[index as usize])
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
+            (low.min(p), high.max(p))
+        })
 }
 
 fn default_camera(parts: &SceneParts) -> Camera {
@@ -227,16 +233,33 @@ fn default_camera(parts: &SceneParts) -> Camera {
 }
 
 fn check_emission(light: &str, value: Rgb) -> Result<(), SceneError> {
-    if value.to_array().iter().all(|&c| (0.0..=EMISSION_LIMIT).contains(&c)) {
+    if value
+        .to_array()
+        .iter()
+        .all(|&c| (0.0..=EMISSION_LIMIT).contains(&c))
+    {
         return Ok(());
     }
-    Err(SceneError::Emission { light: light.to_owned(), value: value.to_array(), limit: EMISSION_LIMIT })
+    Err(SceneError::Emission {
+        light: light.to_owned(),
+        value: value.to_array(),
+        limit: EMISSION_LIMIT,
+    })
 }
 
-fn check_material(m: &mut Material, lenient: bool, repairs: &mut Vec<String>) -> Result<(), SceneError> {
+fn check_material(
+    m: &mut Material,
+    lenient: bool,
+    repairs: &mut Vec<String>,
+) -> Result<(), SceneError> {
     check_emission(&format!("material '{}'", m.name), m.emission)?;
     let parameter = |what, value, expected| {
-        Err(SceneError::Parameter { material: m.name.clone(), what, value, expected })
+        Err(SceneError::Parameter {
+            material: m.name.clone(),
+            what,
+            value,
+            expected,
+        })
     };
     let specular = match m.gloss {
         Gloss::None => Rgb::BLACK,
@@ -246,7 +269,10 @@ fn check_material(m: &mut Material, lenient: bool, repairs: &mut Vec<String>) ->
             }
             specular
         }
-        Gloss::Ward { specular, roughness } => {
+        Gloss::Ward {
+            specular,
+            roughness,
+        } => {
             if !(0.0..=1.0).contains(&roughness) {
                 return parameter("the roughness", roughness, "within 0..1");
             }
@@ -259,7 +285,11 @@ fn check_material(m: &mut Material, lenient: bool, repairs: &mut Vec<String>) ->
         ("transmission", m.transmission),
     ] {
         if value.to_array().iter().any(|c| !c.is_finite() || *c < 0.0) {
-            return Err(SceneError::Reflectance { material: m.name.clone(), what, value: value.min_channel() });
+            return Err(SceneError::Reflectance {
+                material: m.name.clone(),
+                what,
+                value: value.min_channel(),
+            });
         }
     }
     // A file's decimals may add up to a little more than one: that much rounding is no fault.
@@ -271,7 +301,11 @@ fn check_material(m: &mut Material, lenient: bool, repairs: &mut Vec<String>) ->
     }
     if !lenient {
         let what = "diffuse + specular + transmitted reflectance";
-        return Err(SceneError::Reflectance { material: m.name.clone(), what, value: largest });
+        return Err(SceneError::Reflectance {
+            material: m.name.clone(),
+            what,
+            value: largest,
+        });
     }
     let scale = 1.0 / largest;
     m.diffuse *= scale;
@@ -280,22 +314,37 @@ fn check_material(m: &mut Material, lenient: bool, repairs: &mut Vec<String>) ->
         Gloss::None => {}
         Gloss::Phong { specular, .. } | Gloss::Ward { specular, .. } => *specular *= scale,
     }
-    repairs.push(format!("material '{}': reflectances scaled by {scale:.4} to add up to 1", m.name));
+    repairs.push(format!(
+        "material '{}': reflectances scaled by {scale:.4} to add up to 1",
+        m.name
+    ));
     Ok(())
 }
 
 /// A normal from a file is unit to this much: files print a few decimals.
 const UNIT_TOLERANCE: f32 = 1e-2;
 
-fn check_triangles(parts: &mut SceneParts, lenient: bool, repairs: &mut Vec<String>) -> Result<(), SceneError> {
+fn check_triangles(
+    parts: &mut SceneParts,
+    lenient: bool,
+    repairs: &mut Vec<String>,
+) -> Result<(), SceneError> {
     let (point_count, normal_count) = (parts.points.len(), parts.normals.len());
     let material_count = parts.materials.len();
     let (mut not_finite, mut degenerate, mut duplicate, mut rebuilt) = (0, 0, 0, 0);
     let mut seen: FxHashMap<([u32; 3], u32), usize> = FxHashMap::default();
     let mut kept = Vec::with_capacity(parts.triangles.len());
     for (index, triangle) in parts.triangles.iter().enumerate() {
-        let range = |kind, values: &[u32], count: usize| match values.iter().find(|&&v| v as usize >= count) {
-            Some(&index_found) => Err(SceneError::Index { triangle: index, kind, index: index_found, count }),
+        let range = |kind, values: &[u32], count: usize| match values
+            .iter()
+            .find(|&&v| v as usize >= count)
+        {
+            Some(&index_found) => Err(SceneError::Index {
+                triangle: index,
+                kind,
+                index: index_found,
+                count,
+            }),
             None => Ok(()),
         };
         range("point", &triangle.points, point_count)?;
@@ -325,7 +374,10 @@ fn check_triangles(parts: &mut SceneParts, lenient: bool, repairs: &mut Vec<Stri
         key.rotate_left(smallest);
         if let Some(&first) = seen.get(&(key, triangle.material)) {
             if !lenient {
-                return Err(SceneError::Duplicate { triangle: index, first });
+                return Err(SceneError::Duplicate {
+                    triangle: index,
+                    first,
+                });
             }
             duplicate += 1;
             continue;
@@ -345,7 +397,11 @@ fn check_triangles(parts: &mut SceneParts, lenient: bool, repairs: &mut Vec<Stri
                     continue;
                 };
                 if !lenient {
-                    return Err(SceneError::Normal { triangle: index, normal: n.to_array(), reason });
+                    return Err(SceneError::Normal {
+                        triangle: index,
+                        normal: n.to_array(),
+                        reason,
+                    });
                 }
                 triangle.normals = None;
             }
@@ -354,7 +410,10 @@ fn check_triangles(parts: &mut SceneParts, lenient: bool, repairs: &mut Vec<Stri
         kept.push(triangle);
     }
     for (count, what) in [
-        (not_finite, "triangles with corners that are not finite dropped"),
+        (
+            not_finite,
+            "triangles with corners that are not finite dropped",
+        ),
         (degenerate, "triangles without area dropped"),
         (duplicate, "duplicate triangles dropped"),
         (rebuilt, "triangles with bad shading normals made flat"),
@@ -364,12 +423,21 @@ fn check_triangles(parts: &mut SceneParts, lenient: bool, repairs: &mut Vec<Stri
         }
     }
     parts.triangles = kept;
-    if parts.triangles.is_empty() { Err(SceneError::NoSurface) } else { Ok(()) }
+    if parts.triangles.is_empty() {
+        Err(SceneError::NoSurface)
+    } else {
+        Ok(())
+    }
 }
 
 /// Checks a camera from a file or the command line.
 pub fn check_camera(camera: &Camera) -> Result<(), SceneError> {
-    let fault = |reason| Err(SceneError::Camera { camera: camera.name.clone(), reason });
+    let fault = |reason| {
+        Err(SceneError::Camera {
+            camera: camera.name.clone(),
+            reason,
+        })
+    };
     if !(camera.eye.is_finite() && camera.target.is_finite() && camera.up.is_finite()) {
         return fault("eye, target and up must be finite");
     }
@@ -377,7 +445,12 @@ pub fn check_camera(camera: &Camera) -> Result<(), SceneError> {
     if view.length_squared() == 0.0 {
         return fault("eye and target are the same point");
     }
-    if view.normalize().cross(camera.up.normalize_or_zero()).length_squared() == 0.0 {
+    if view
+        .normalize()
+        .cross(camera.up.normalize_or_zero())
+        .length_squared()
+        == 0.0
+    {
         return fault("up is parallel to the view or zero");
     }
     if !(camera.fov_y_degrees > 0.0 && camera.fov_y_degrees < 180.0) {

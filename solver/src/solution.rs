@@ -50,7 +50,9 @@ impl Solution {
         let diffuse = self.radiance[vertex];
         match self.distribution_offset[vertex] {
             NO_DISTRIBUTION => diffuse,
-            offset => diffuse + packed::evaluate(&self.distribution_words[offset as usize..], direction),
+            offset => {
+                diffuse + packed::evaluate(&self.distribution_words[offset as usize..], direction)
+            }
         }
     }
 
@@ -70,6 +72,10 @@ impl Solution {
 
     /// Smallest and largest corner of the box around all triangles [m].
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        self.position.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
+        self.position
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| {
+                (low.min(p), high.max(p))
+            })
     }
 }

@@ -44,14 +44,24 @@ impl Lobe {
         let (specular, shape) = match material.gloss {
             Gloss::None => return None,
             // The exponent of like width: mirror-angle Gaussian matched to Ward's half-angle Gaussian.
-            Gloss::Phong { specular, exponent } => {
-                (specular, Shape::Phong(exponent.min(0.5 / (sharpest * sharpest))))
-            }
-            Gloss::Ward { specular, roughness } => (specular, Shape::Ward(roughness.max(sharpest))),
+            Gloss::Phong { specular, exponent } => (
+                specular,
+                Shape::Phong(exponent.min(0.5 / (sharpest * sharpest))),
+            ),
+            Gloss::Ward {
+                specular,
+                roughness,
+            } => (specular, Shape::Ward(roughness.max(sharpest))),
         };
         let (half_width, cutoff) = match shape {
-            Shape::Phong(exponent) => (phong::angle_of(exponent, 0.5), phong::angle_of(exponent, CUTOFF)),
-            Shape::Ward(roughness) => (ward::angle_of(roughness, 0.5), ward::angle_of(roughness, CUTOFF)),
+            Shape::Phong(exponent) => (
+                phong::angle_of(exponent, 0.5),
+                phong::angle_of(exponent, CUTOFF),
+            ),
+            Shape::Ward(roughness) => (
+                ward::angle_of(roughness, 0.5),
+                ward::angle_of(roughness, CUTOFF),
+            ),
         };
         let mut albedo = [0.0; ALBEDO_ENTRIES];
         for (i, entry) in albedo.iter_mut().enumerate() {
@@ -61,7 +71,13 @@ impl Lobe {
                 Shape::Ward(roughness) => ward::albedo(roughness, cosine),
             };
         }
-        Some(Self { specular, shape, half_width, cutoff, albedo })
+        Some(Self {
+            specular,
+            shape,
+            half_width,
+            cutoff,
+            albedo,
+        })
     }
 
     /// BRDF for specular = 1 [sr⁻¹]. Directions unit, leaving the surface; zero when either is below it.
@@ -96,7 +112,13 @@ pub fn reflect(normal: Vec3, wi: Vec3) -> Vec3 {
 }
 
 /// Value of a lobe with specular = 1 for prepared cosines.
-pub(crate) fn eval_shape(shape: Shape, mirror_dot: f32, cos_i: f32, cos_o: f32, wi_dot_wo: f32) -> f32 {
+pub(crate) fn eval_shape(
+    shape: Shape,
+    mirror_dot: f32,
+    cos_i: f32,
+    cos_o: f32,
+    wi_dot_wo: f32,
+) -> f32 {
     match shape {
         Shape::Phong(exponent) => phong::eval(exponent, mirror_dot),
         Shape::Ward(roughness) => ward::eval(roughness, cos_i, cos_o, wi_dot_wo),
@@ -108,7 +130,10 @@ mod tests {
     use super::*;
 
     fn lobe(gloss: Gloss) -> Lobe {
-        let material = Material { gloss, ..Material::lambert("m", Rgb::BLACK) };
+        let material = Material {
+            gloss,
+            ..Material::lambert("m", Rgb::BLACK)
+        };
         Lobe::of(&material, 0.0).expect("glossy")
     }
 
@@ -120,21 +145,36 @@ mod tests {
             let theta = (ring as f32 + 0.5) / rings as f32 * std::f32::consts::FRAC_PI_2;
             for spoke in 0..spokes {
                 let phi = (spoke as f32 + 0.5) / spokes as f32 * std::f32::consts::TAU;
-                let wo = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+                let wo = Vec3::new(
+                    theta.sin() * phi.cos(),
+                    theta.sin() * phi.sin(),
+                    theta.cos(),
+                );
                 sum += f64::from(lobe.eval(Vec3::Z, wi, wo) * wo.z * theta.sin());
             }
         }
-        sum * std::f64::consts::FRAC_PI_2 / f64::from(rings) * std::f64::consts::TAU / f64::from(spokes)
+        sum * std::f64::consts::FRAC_PI_2 / f64::from(rings) * std::f64::consts::TAU
+            / f64::from(spokes)
     }
 
     #[test]
     fn phong_albedo_has_the_published_values() {
         // `exact_cases.md` 2e: a at 0°, 30°, 60°.
-        for (n, expected) in [(1.0, [1.0, 0.8808, 0.6090]), (10.0, [1.0, 0.8660, 0.5047]), (50.0, [1.0, 0.8660, 0.5])] {
-            let lobe = lobe(Gloss::Phong { specular: Rgb::WHITE, exponent: n });
+        for (n, expected) in [
+            (1.0, [1.0, 0.8808, 0.6090]),
+            (10.0, [1.0, 0.8660, 0.5047]),
+            (50.0, [1.0, 0.8660, 0.5]),
+        ] {
+            let lobe = lobe(Gloss::Phong {
+                specular: Rgb::WHITE,
+                exponent: n,
+            });
             for (degrees, a) in [0.0f32, 30.0, 60.0].into_iter().zip(expected) {
                 let found = lobe.albedo(degrees.to_radians().cos());
-                assert!((found - a).abs() < 2e-3, "n {n}, {degrees}°: {found} against {a}");
+                assert!(
+                    (found - a).abs() < 2e-3,
+                    "n {n}, {degrees}°: {found} against {a}"
+                );
             }
         }
     }
@@ -142,19 +182,34 @@ mod tests {
     #[test]
     fn ward_albedo_is_the_integral_of_eval_and_within_one() {
         for roughness in [0.05, 0.2] {
-            let lobe = lobe(Gloss::Ward { specular: Rgb::WHITE, roughness });
+            let lobe = lobe(Gloss::Ward {
+                specular: Rgb::WHITE,
+                roughness,
+            });
             for cosine in [1.0, 0.75, 0.5, 0.25] {
                 let (table, integral) = (f64::from(lobe.albedo(cosine)), quadrature(&lobe, cosine));
-                assert!((table - integral).abs() < 5e-3 && table <= 1.0, "{roughness} {cosine}: {table} {integral}");
+                assert!(
+                    (table - integral).abs() < 5e-3 && table <= 1.0,
+                    "{roughness} {cosine}: {table} {integral}"
+                );
             }
         }
     }
 
     #[test]
     fn lobes_are_reciprocal() {
-        let lobe = lobe(Gloss::Ward { specular: Rgb::WHITE, roughness: 0.15 });
-        let (a, b) = (Vec3::new(0.3, 0.2, 0.9).normalize(), Vec3::new(-0.4, 0.1, 0.8).normalize());
+        let lobe = lobe(Gloss::Ward {
+            specular: Rgb::WHITE,
+            roughness: 0.15,
+        });
+        let (a, b) = (
+            Vec3::new(0.3, 0.2, 0.9).normalize(),
+            Vec3::new(-0.4, 0.1, 0.8).normalize(),
+        );
         let (there, back) = (lobe.eval(Vec3::Z, a, b), lobe.eval(Vec3::Z, b, a));
-        assert!((there - back).abs() <= 1e-5 * there && there > 0.0, "{there} {back}");
+        assert!(
+            (there - back).abs() <= 1e-5 * there && there > 0.0,
+            "{there} {back}"
+        );
     }
 }

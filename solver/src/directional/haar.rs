@@ -80,11 +80,23 @@ pub struct Projector {
 }
 
 /// Vertices 0..6 of every projection: +x, +y, +z, -x, -y, -z.
-const AXES: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+const AXES: [Vec3; 6] = [
+    Vec3::X,
+    Vec3::Y,
+    Vec3::Z,
+    Vec3::NEG_X,
+    Vec3::NEG_Y,
+    Vec3::NEG_Z,
+];
 
 impl Projector {
     /// Projects `source` and appends the packed distribution to `words`.
-    pub fn project(&mut self, source: &mut impl Source, how: &Projection, words: &mut Vec<u32>) -> ProjectionCost {
+    pub fn project(
+        &mut self,
+        source: &mut impl Source,
+        how: &Projection,
+        words: &mut Vec<u32>,
+    ) -> ProjectionCost {
         self.reset(source, how);
         let mut pending: Vec<u32> = (0..8).rev().collect();
         while let Some(cell) = pending.pop() {
@@ -95,9 +107,14 @@ impl Projector {
         }
         self.balance(source, how);
         self.constrain_hanging_vertices();
-        let scale = how.integral.map_or(1.0, |target| self.correction(target, how.horizon));
+        let scale = how
+            .integral
+            .map_or(1.0, |target| self.correction(target, how.horizon));
         let basis_functions = self.pack(scale, words);
-        ProjectionCost { basis_functions, evaluations: self.evaluations }
+        ProjectionCost {
+            basis_functions,
+            evaluations: self.evaluations,
+        }
     }
 
     fn reset(&mut self, source: &mut impl Source, how: &Projection) {
@@ -109,7 +126,8 @@ impl Projector {
         self.directions.extend(AXES);
         self.values.clear();
         let all = 0..self.candidates.len();
-        self.values.extend(AXES.map(|axis| source.eval(&self.candidates[all.clone()], axis)));
+        self.values
+            .extend(AXES.map(|axis| source.eval(&self.candidates[all.clone()], axis)));
         self.evaluations = 6;
         for octant in 0..8u32 {
             let vertices = [0, 1, 2].map(|axis| axis + 3 * (octant >> axis & 1));
@@ -129,10 +147,18 @@ impl Projector {
         source: &impl Source,
         how: &Projection,
     ) {
-        let mut cell = Cell { vertices, first_child: 0, candidates: (0, 0), level, below_horizon: false };
+        let mut cell = Cell {
+            vertices,
+            first_child: 0,
+            candidates: (0, 0),
+            level,
+            below_horizon: false,
+        };
         let centre = octahedron::centre(self.corners(&cell));
         let radius = octahedron::radius(usize::from(level));
-        cell.below_horizon = how.horizon.is_some_and(|normal| normal.dot(centre) < -radius.sin());
+        cell.below_horizon = how
+            .horizon
+            .is_some_and(|normal| normal.dot(centre) < -radius.sin());
         let first = self.candidates.len();
         if !cell.below_horizon {
             // `narrow` reads from the front of the list and appends to it: split off what it reads.
@@ -160,7 +186,10 @@ impl Projector {
         }
         let values = cell.vertices.map(|v| self.values[v as usize]);
         let (start, end) = cell.candidates;
-        let hidden = source.hidden_peak(&self.candidates[start as usize..end as usize], level as usize);
+        let hidden = source.hidden_peak(
+            &self.candidates[start as usize..end as usize],
+            level as usize,
+        );
         let centre = self.eval(index, source, octahedron::centre(self.corners(&cell)));
         let largest = values.iter().fold(centre, |m, &v| m.max(v));
         let smallest = values.iter().fold(centre, |m, &v| m.min(v));
@@ -217,8 +246,9 @@ impl Projector {
                     continue;
                 }
                 let too_deep = Self::edges(&cell).into_iter().any(|(a, b)| {
-                    self.midpoint_of(a, b)
-                        .is_some_and(|m| self.midpoint_of(a, m).is_some() || self.midpoint_of(m, b).is_some())
+                    self.midpoint_of(a, b).is_some_and(|m| {
+                        self.midpoint_of(a, m).is_some() || self.midpoint_of(m, b).is_some()
+                    })
                 });
                 if too_deep {
                     self.split(index as u32, source, how);
@@ -239,7 +269,8 @@ impl Projector {
                 }
                 for (a, b) in Self::edges(&cell) {
                     if let Some(m) = self.midpoint_of(a, b) {
-                        self.values[m as usize] = (self.values[a as usize] + self.values[b as usize]) * 0.5;
+                        self.values[m as usize] =
+                            (self.values[a as usize] + self.values[b as usize]) * 0.5;
                     }
                 }
             }
@@ -259,32 +290,58 @@ impl Projector {
                 Some(normal) => corners.iter().map(|c| c.dot(normal).max(0.0)).sum::<f32>() / 3.0,
                 None => 1.0,
             };
-            let value = cell.vertices.iter().map(|&v| self.values[v as usize].mean()).sum::<f32>() / 3.0;
+            let value = cell
+                .vertices
+                .iter()
+                .map(|&v| self.values[v as usize].mean())
+                .sum::<f32>()
+                / 3.0;
             sum += octahedron::solid_angle(corners) * f64::from(cosine * value);
         }
-        if sum > 0.0 { ((f64::from(target) / sum) as f32).clamp(0.5, 2.0) } else { 1.0 }
+        if sum > 0.0 {
+            ((f64::from(target) / sum) as f32).clamp(0.5, 2.0)
+        } else {
+            1.0
+        }
     }
 
     fn pack(&self, factor: f32, words: &mut Vec<u32>) -> u64 {
-        let largest = self.values.iter().fold(0.0f32, |m, v| m.max(v.max_channel())) * factor;
+        let largest = self
+            .values
+            .iter()
+            .fold(0.0f32, |m, v| m.max(v.max_channel()))
+            * factor;
         // A power of two that brings the largest value near the top of RGB9E5's range.
         let exponent = ((largest.to_bits() >> 23) as i32 - 127 - 15).clamp(-126, 127);
-        let scale = if largest > 0.0 { f32::from_bits(((exponent + 127) as u32) << 23) } else { 1.0 };
+        let scale = if largest > 0.0 {
+            f32::from_bits(((exponent + 127) as u32) << 23)
+        } else {
+            1.0
+        };
         let start = words.len();
         words.push(scale.to_bits());
         words.extend([0; 8]);
         let mut leaves = 0;
         // (cell, position of its node word relative to start)
-        let mut pending: Vec<(u32, usize)> = (0..8).rev().map(|octant| (octant, 1 + octant as usize)).collect();
+        let mut pending: Vec<(u32, usize)> = (0..8)
+            .rev()
+            .map(|octant| (octant, 1 + octant as usize))
+            .collect();
         while let Some((index, slot)) = pending.pop() {
             let cell = self.cells[index as usize];
             let position = words.len() - start;
             if cell.first_child != 0 {
                 words[start + slot] = position as u32;
                 words.extend([0; 4]);
-                pending.extend((0..4).rev().map(|child| (cell.first_child + child, position + child as usize)));
+                pending.extend(
+                    (0..4)
+                        .rev()
+                        .map(|child| (cell.first_child + child, position + child as usize)),
+                );
             } else if !cell.below_horizon {
-                let colours = cell.vertices.map(|v| packed::encode(self.values[v as usize] * (factor / scale)));
+                let colours = cell
+                    .vertices
+                    .map(|v| packed::encode(self.values[v as usize] * (factor / scale)));
                 if colours != [0; 3] {
                     words[start + slot] = position as u32 | packed::LEAF;
                     words.extend(colours);
@@ -319,7 +376,10 @@ mod tests {
 
     fn direction(i: u32) -> Vec3 {
         let z = 2.0 * hash::unit(i, 11) - 1.0;
-        let (s, phi) = ((1.0 - z * z).sqrt(), hash::unit(i, 12) * std::f32::consts::TAU);
+        let (s, phi) = (
+            (1.0 - z * z).sqrt(),
+            hash::unit(i, 12) * std::f32::consts::TAU,
+        );
         Vec3::new(s * phi.cos(), s * phi.sin(), z)
     }
 
@@ -352,11 +412,20 @@ mod tests {
         let (mut last_error, mut last_cells) = (f64::INFINITY, 0);
         for epsilon in [0.8, 0.4, 0.2, 0.1] {
             let mut words = Vec::new();
-            let cost = Projector::default().project(&mut Plain(f), &Projection { epsilon, ..HOW }, &mut words);
+            let cost = Projector::default().project(
+                &mut Plain(f),
+                &Projection { epsilon, ..HOW },
+                &mut words,
+            );
             let error = (0..4000)
-                .map(|i| f64::from(packed::evaluate(&words, direction(i)).g - f(direction(i))).powi(2))
+                .map(|i| {
+                    f64::from(packed::evaluate(&words, direction(i)).g - f(direction(i))).powi(2)
+                })
                 .sum::<f64>();
-            assert!(error < last_error && cost.basis_functions > last_cells, "{epsilon}: {error} {last_error}");
+            assert!(
+                error < last_error && cost.basis_functions > last_cells,
+                "{epsilon}: {error} {last_error}"
+            );
             (last_error, last_cells) = (error, cost.basis_functions);
         }
     }
@@ -366,11 +435,21 @@ mod tests {
         let f = |d: Vec3| (d.dot(Vec3::new(-0.2, 0.9, 0.1).normalize()).max(0.0)).powi(800);
         let mut projector = Projector::default();
         let mut words = Vec::new();
-        projector.project(&mut Plain(f), &Projection { min_level: 3, ..HOW }, &mut words);
+        projector.project(
+            &mut Plain(f),
+            &Projection {
+                min_level: 3,
+                ..HOW
+            },
+            &mut words,
+        );
         for cell in projector.cells.iter().filter(|c| c.first_child == 0) {
             for (a, b) in Projector::edges(cell) {
                 if let Some(m) = projector.midpoint_of(a, b) {
-                    assert!(projector.midpoint_of(a, m).is_none() && projector.midpoint_of(m, b).is_none());
+                    assert!(
+                        projector.midpoint_of(a, m).is_none()
+                            && projector.midpoint_of(m, b).is_none()
+                    );
                     let mean = (projector.values[a as usize] + projector.values[b as usize]) * 0.5;
                     assert_eq!(projector.values[m as usize], mean);
                 }
@@ -383,19 +462,27 @@ mod tests {
         // The plain twin: every cell at level 3, interpolated between exact corner values.
         let f = |d: Vec3| 2.0 + d.x + d.y * d.z;
         let mut words = Vec::new();
-        let how = Projection { min_level: 3, max_level: 3, ..HOW };
+        let how = Projection {
+            min_level: 3,
+            max_level: 3,
+            ..HOW
+        };
         Projector::default().project(&mut Plain(f), &how, &mut words);
         for i in 0..1000 {
             let d = direction(i);
             let mut corners = octahedron::octant_corners(octahedron::octant(d));
             for _ in 0..3 {
                 let m = octahedron::edge_midpoints(corners);
-                corners = octahedron::child_corners(corners, m, octahedron::child_of(corners, m, d));
+                corners =
+                    octahedron::child_corners(corners, m, octahedron::child_of(corners, m, d));
             }
             let expected = octahedron::barycentric(corners, d).dot(Vec3::from(corners.map(f)));
             let found = packed::evaluate(&words, d).r;
             // Nine bits of mantissa.
-            assert!((found - expected).abs() <= expected / 512.0, "{found} {expected}");
+            assert!(
+                (found - expected).abs() <= expected / 512.0,
+                "{found} {expected}"
+            );
         }
     }
 }

@@ -10,7 +10,9 @@ pub type Corners = [Vec3; 3];
 
 /// Octant of a direction: bit 0 set for x < 0, bit 1 for y < 0, bit 2 for z < 0.
 pub fn octant(direction: Vec3) -> usize {
-    usize::from(direction.x < 0.0) | usize::from(direction.y < 0.0) << 1 | usize::from(direction.z < 0.0) << 2
+    usize::from(direction.x < 0.0)
+        | usize::from(direction.y < 0.0) << 1
+        | usize::from(direction.z < 0.0) << 2
 }
 
 /// Corners of an octant's face: on the x, the y and the z axis, in this order.
@@ -21,7 +23,11 @@ pub fn octant_corners(octant: usize) -> Corners {
 
 /// Midpoints of the edges opposite to corner 0, 1, 2: (m12, m20, m01), unit vectors.
 pub fn edge_midpoints([a, b, c]: Corners) -> Corners {
-    [(b + c).normalize(), (c + a).normalize(), (a + b).normalize()]
+    [
+        (b + c).normalize(),
+        (c + a).normalize(),
+        (a + b).normalize(),
+    ]
 }
 
 /// Corners of child `child` (0..4), given the midpoints of [`edge_midpoints`].
@@ -44,7 +50,11 @@ pub fn child_of(corners: Corners, midpoints: Corners, direction: Vec3) -> usize 
     let beyond = |m: Vec3, n: Vec3, corner: Vec3| {
         let normal = m.cross(n);
         let side = normal.dot(direction);
-        if normal.dot(corner) < 0.0 { -side } else { side }
+        if normal.dot(corner) < 0.0 {
+            -side
+        } else {
+            side
+        }
     };
     if beyond(m01, m20, corners[0]) > 0.0 {
         0
@@ -65,10 +75,18 @@ pub fn barycentric([a, b, c]: Corners, direction: Vec3) -> Vec3 {
         direction.dot(a.cross(b)),
     );
     // The orientation of the triangle gives all three the same sign inside.
-    let weights = if a.dot(b.cross(c)) < 0.0 { -weights } else { weights };
+    let weights = if a.dot(b.cross(c)) < 0.0 {
+        -weights
+    } else {
+        weights
+    };
     let weights = weights.max(Vec3::ZERO);
     let sum = weights.element_sum();
-    if sum > 0.0 { weights / sum } else { Vec3::splat(1.0 / 3.0) }
+    if sum > 0.0 {
+        weights / sum
+    } else {
+        Vec3::splat(1.0 / 3.0)
+    }
 }
 
 /// Solid angle of a spherical triangle [sr] (Van Oosterom & Strackee 1983), in f64.
@@ -131,8 +149,15 @@ mod tests {
                 });
             }
             // Corners are f32: their rounding moves each triangle's angle by some 1e-7 of its size.
-            assert!((sum - 4.0 * std::f64::consts::PI).abs() < 1e-5, "level {level}: {sum}");
-            assert!((high / low - ratio).abs() < 1e-3, "level {level}: {}", high / low);
+            assert!(
+                (sum - 4.0 * std::f64::consts::PI).abs() < 1e-5,
+                "level {level}: {sum}"
+            );
+            assert!(
+                (high / low - ratio).abs() < 1e-3,
+                "level {level}: {}",
+                high / low
+            );
         }
     }
 
@@ -143,7 +168,11 @@ mod tests {
                 visit(octant_corners(octant), level, &mut |c| {
                     for corner in c {
                         let angle = corner.dot(centre(c)).min(1.0).acos();
-                        assert!(angle <= radius(level) + 1e-3, "level {level}: {angle} {}", radius(level));
+                        assert!(
+                            angle <= radius(level) + 1e-3,
+                            "level {level}: {angle} {}",
+                            radius(level)
+                        );
                     }
                 });
             }
@@ -153,7 +182,10 @@ mod tests {
     #[test]
     fn the_descent_ends_in_a_triangle_that_holds_the_direction() {
         for i in 0..2000 {
-            let (u, v) = (crate::geometry::hash::unit(i, 1), crate::geometry::hash::unit(i, 2));
+            let (u, v) = (
+                crate::geometry::hash::unit(i, 1),
+                crate::geometry::hash::unit(i, 2),
+            );
             let z = 2.0 * u - 1.0;
             let (s, phi) = ((1.0 - z * z).sqrt(), v * std::f32::consts::TAU);
             let direction = Vec3::new(s * phi.cos(), s * phi.sin(), z);

@@ -55,8 +55,9 @@ pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) 
         }
     }
     let (mut low, mut high) = (f32::INFINITY, 0.0f32);
-    let mut pending: Vec<(u32, octahedron::Corners, usize)> =
-        (0..8).map(|octant| (words[1 + octant], octahedron::octant_corners(octant), 0)).collect();
+    let mut pending: Vec<(u32, octahedron::Corners, usize)> = (0..8)
+        .map(|octant| (words[1 + octant], octahedron::octant_corners(octant), 0))
+        .collect();
     while let Some((node, corners, level)) = pending.pop() {
         if octahedron::centre(corners).dot(axis) < reach[level.min(octahedron::MAX_LEVEL)] {
             continue;
@@ -99,10 +100,12 @@ pub fn leaves_and_depth(words: &[u32]) -> (usize, usize) {
             return (1, depth);
         }
         let position = node as usize;
-        words[position..position + 4].iter().fold((0, depth), |(leaves, deepest), &child| {
-            let (l, d) = visit(words, child, depth + 1);
-            (leaves + l, deepest.max(d))
-        })
+        words[position..position + 4]
+            .iter()
+            .fold((0, depth), |(leaves, deepest), &child| {
+                let (l, d) = visit(words, child, depth + 1);
+                (leaves + l, deepest.max(d))
+            })
     }
     (1..9).fold((0, 0), |(leaves, deepest), octant| {
         let (l, d) = visit(words, words[octant], 0);
@@ -130,7 +133,9 @@ pub fn is_well_formed(words: &[u32]) -> bool {
         }
         position >= 9
             && position + 4 <= words.len()
-            && words[position..position + 4].iter().all(|&child| visit(words, child, depth + 1, budget))
+            && words[position..position + 4]
+                .iter()
+                .all(|&child| visit(words, child, depth + 1, budget))
     }
     let mut budget = words.len();
     words.len() >= 9
@@ -181,7 +186,10 @@ mod tests {
             let back = decode(encode(colour));
             // Nine bits of mantissa: half a step is at most 2⁻⁹ of the largest channel; denormals add half a step.
             let bound = value / 512.0 + 2f32.powi(-25);
-            assert!((back.r - colour.r).abs() <= bound && (back.b - colour.b).abs() <= bound, "{value}: {back:?}");
+            assert!(
+                (back.r - colour.r).abs() <= bound && (back.b - colour.b).abs() <= bound,
+                "{value}: {back:?}"
+            );
         }
     }
 }

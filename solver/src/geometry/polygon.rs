@@ -15,7 +15,10 @@ impl Polygon {
         debug_assert!(corners.len() == 3 || corners.len() == 4);
         let mut all = [corners[0]; 4];
         all[..corners.len()].copy_from_slice(corners);
-        Self { corners: all, count: corners.len() }
+        Self {
+            corners: all,
+            count: corners.len(),
+        }
     }
 
     /// Its corners.
@@ -36,13 +39,21 @@ impl Polygon {
     /// Mean of the corners.
     pub fn centre(&self) -> Vec3 {
         let c = &self.corners;
-        if self.count == 4 { (c[0] + c[1] + c[2] + c[3]) * 0.25 } else { (c[0] + c[1] + c[2]) * (1.0 / 3.0) }
+        if self.count == 4 {
+            (c[0] + c[1] + c[2] + c[3]) * 0.25
+        } else {
+            (c[0] + c[1] + c[2]) * (1.0 / 3.0)
+        }
     }
 
     /// Largest distance of a corner from [`Self::centre`].
     pub fn radius(&self) -> f32 {
         let centre = self.centre();
-        self.corners().iter().map(|c| c.distance_squared(centre)).fold(0.0, f32::max).sqrt()
+        self.corners()
+            .iter()
+            .map(|c| c.distance_squared(centre))
+            .fold(0.0, f32::max)
+            .sqrt()
     }
 
     /// The point at `uv` of the unit square: bilinear on quads, area-preserving on triangles.
@@ -156,12 +167,19 @@ mod tests {
         let n = 64;
         let mut sum = 0.0f64;
         for i in 0..n * n {
-            let at = Vec3::new(((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32, 0.0);
+            let at = Vec3::new(
+                ((i % n) as f32 + 0.5) / n as f32,
+                ((i / n) as f32 + 0.5) / n as f32,
+                0.0,
+            );
             sum += f64::from(square.vector_irradiance(at, None).z) / std::f64::consts::PI;
         }
         let form_factor = sum / f64::from(n * n);
         // Midpoint rule over 64² points: error O(h²).
-        assert!((form_factor - 0.199824895698387).abs() < 2e-5, "{form_factor}");
+        assert!(
+            (form_factor - 0.199824895698387).abs() < 2e-5,
+            "{form_factor}"
+        );
     }
 
     #[test]
@@ -176,6 +194,9 @@ mod tests {
             let wall = Polygon::new(&[b - Vec3::Z, a - Vec3::Z, a + Vec3::Z, b + Vec3::Z]);
             sides += wall.vector_irradiance(at, Some(Vec3::Z)).z;
         }
-        assert!((top + sides - std::f32::consts::PI).abs() < 1e-5, "{top} {sides}");
+        assert!(
+            (top + sides - std::f32::consts::PI).abs() < 1e-5,
+            "{top} {sides}"
+        );
     }
 }

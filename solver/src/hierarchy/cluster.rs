@@ -1,18 +1,21 @@
 //! Clusters above the patches: a bounding volume hierarchy by obvhs, opened to four children a node.
 
-use super::{Element, Hierarchy, NONE, Node, NodeId, Patch};
+use super::{Element, Hierarchy, NONE, Node, NodeId};
 use crate::geometry::Polygon;
 use crate::scene::Material;
 use glam::{Vec3, Vec3A};
+use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
-use obvhs::BvhBuildParams;
 use std::collections::VecDeque;
 use std::time::Duration;
 
 /// Children that a cluster is opened to, sides of patches not counted.
 const ARITY: usize = 4;
+
+/// Black surfaces count this much as receivers, so that the power they absorb is known.
+const LEAST_REFLECTANCE: f32 = 0.05;
 
 #[derive(Clone, Copy)]
 enum Item {
@@ -21,19 +24,33 @@ enum Item {
 }
 
 /// Fills `hierarchy.nodes` and `hierarchy.elements` from its patches.
-pub(super) fn build(hierarchy: &mut Hierarchy, materials: &[Material]) {
-    let boxes: Vec<Aabb> = hierarchy
-        .patches
+pub(super) fn build(hierarchy: &mut Hierarchy, materials: &[Material], lit: &[[bool; 2]]) {
+    let used: Vec<u32> = (0..hierarchy.patches.len() as u32)
+        .filter(|&p| lit[p as usize] != [false; 2])
+        .collect();
+    let boxes: Vec<Aabb> = used
         .iter()
-        .map(|patch| {
-            let corners: Vec<Vec3A> = corners(&hierarchy.points, patch).iter().map(|&c| c.into()).collect();
+        .map(|&patch| {
+            let patch = &hierarchy.patches[patch as usize];
+            let corners: Vec<Vec3A> = patch
+                .corners(&hierarchy.points)
+                .iter()
+                .map(|&c| c.into())
+                .collect();
             Aabb::from_points(&corners)
         })
         .collect();
-    let params = BvhBuildParams { pre_split: false, max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+    let params = BvhBuildParams {
+        pre_split: false,
+        max_prims_per_leaf: 1,
+        ..BvhBuildParams::medium_build()
+    };
     let bvh = build_bvh2(&boxes, params, &mut Duration::default());
 
     hierarchy.nodes.push(cluster_node(NONE));
+    if used.is_empty() {
+        return;
+    }
     let mut queue: VecDeque<(NodeId, Item)> = VecDeque::from([(0, item_of(&bvh, 0))]);
     while let Some((id, item)) = queue.pop_front() {
         let first = hierarchy.nodes.len() as NodeId;
@@ -44,7 +61,10 @@ pub(super) fn build(hierarchy: &mut Hierarchy, materials: &[Material]) {
                     clusters.push((hierarchy.nodes.len() as NodeId, item));
                     hierarchy.nodes.push(cluster_node(id));
                 }
-                Item::Patch(patch) => push_sides(hierarchy, materials, patch, id),
+                Item::Patch(index) => {
+                    let patch = used[index as usize];
+                    push_sides(hierarchy, materials, patch, lit[patch as usize], id);
+                }
             }
         }
         queue.extend(clusters);
@@ -106,22 +126,24 @@ fn cluster_node(parent: NodeId) -> Node {
     }
 }
 
-fn corners(points: &[Vec3], patch: &Patch) -> Vec<Vec3> {
-    patch.points.iter().filter(|&&p| p != NONE).map(|&p| points[p as usize]).collect()
-}
-
-fn push_sides(hierarchy: &mut Hierarchy, materials: &[Material], patch_id: u32, parent: NodeId) {
+fn push_sides(
+    hierarchy: &mut Hierarchy,
+    materials: &[Material],
+    patch_id: u32,
+    lit: [bool; 2],
+    parent: NodeId,
+) {
     let patch = hierarchy.patches[patch_id as usize];
     let material = &materials[patch.material as usize];
     let specular = match material.gloss {
         crate::scene::Gloss::None => crate::Rgb::BLACK,
-        crate::scene::Gloss::Phong { specular, .. } | crate::scene::Gloss::Ward { specular, .. } => specular,
+        crate::scene::Gloss::Phong { specular, .. }
+        | crate::scene::Gloss::Ward { specular, .. } => specular,
     };
-    let reflectance = (material.diffuse + specular).mean();
+    let reflectance = (material.diffuse + specular).mean().max(LEAST_REFLECTANCE);
     let count = if patch.points[3] == NONE { 3 } else { 4 };
-    let has_back = material.two_sided || (material.emits_from_back && !material.emission.is_black());
     for back in [false, true] {
-        if back && !has_back {
+        if !lit[usize::from(back)] {
             continue;
         }
         let mut points = patch.points;
@@ -134,7 +156,10 @@ fn push_sides(hierarchy: &mut Hierarchy, materials: &[Material], patch_id: u32, 
                 *n = n.map(|n| -n);
             }
         }
-        let at: Vec<Vec3> = points[..count].iter().map(|&p| hierarchy.points[p as usize]).collect();
+        let at: Vec<Vec3> = points[..count]
+            .iter()
+            .map(|&p| hierarchy.points[p as usize])
+            .collect();
         let polygon = Polygon::new(&at);
         let shading = match normals {
             Some(normals) => {

@@ -6,6 +6,7 @@
 
 mod cluster;
 pub mod patch;
+pub mod reach;
 
 use crate::geometry::Polygon;
 use crate::scene::Material;
@@ -91,10 +92,20 @@ pub struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// Clusters and patches; no element is subdivided yet. `points`: normalised.
-    pub fn new(points: Vec<Vec3>, patches: Vec<Patch>, materials: &[Material]) -> Self {
-        let mut hierarchy = Self { points, patches, ..Self::default() };
-        cluster::build(&mut hierarchy, materials);
+    /// Clusters and patches; no element is subdivided yet. `points`: normalised. `lit`: which sides of each patch,
+    /// front and back, light can reach ([`reach::lit_sides`]); the others become no element.
+    pub fn new(
+        points: Vec<Vec3>,
+        patches: Vec<Patch>,
+        materials: &[Material],
+        lit: &[[bool; 2]],
+    ) -> Self {
+        let mut hierarchy = Self {
+            points,
+            patches,
+            ..Self::default()
+        };
+        cluster::build(&mut hierarchy, materials, lit);
         hierarchy
     }
 
@@ -114,7 +125,11 @@ impl Hierarchy {
     /// Children of `id`.
     pub fn children(&self, id: NodeId) -> std::ops::Range<NodeId> {
         let node = self.node(id);
-        if node.first_child == NONE { 0..0 } else { node.first_child..node.first_child + node.child_count }
+        if node.first_child == NONE {
+            0..0
+        } else {
+            node.first_child..node.first_child + node.child_count
+        }
     }
 
     /// True when `id` has no child.
@@ -133,7 +148,10 @@ impl Hierarchy {
             return element.normal;
         }
         let normals = &self.shading_normals[element.shading as usize];
-        normals[..element.corner_count()].iter().sum::<Vec3>().normalize_or(element.normal)
+        normals[..element.corner_count()]
+            .iter()
+            .sum::<Vec3>()
+            .normalize_or(element.normal)
     }
 
     /// The point in the middle of an edge, if some element has been split there.
@@ -141,12 +159,16 @@ impl Hierarchy {
         self.midpoints.get(&(a.min(b), a.max(b))).copied()
     }
 
+    /// The point in the middle of an edge, made if there is none.
     fn make_midpoint(&mut self, a: u32, b: u32) -> u32 {
         let points = &mut self.points;
-        *self.midpoints.entry((a.min(b), a.max(b))).or_insert_with(|| {
-            points.push((points[a as usize] + points[b as usize]) * 0.5);
-            points.len() as u32 - 1
-        })
+        *self
+            .midpoints
+            .entry((a.min(b), a.max(b)))
+            .or_insert_with(|| {
+                points.push((points[a as usize] + points[b as usize]) * 0.5);
+                points.len() as u32 - 1
+            })
     }
 
     /// Splits the leaf element of node `id` 4:1 (§3.1 refines receivers this way).
@@ -157,16 +179,35 @@ impl Hierarchy {
         let child_points = if parent.corner_count() == 4 {
             let m = [0, 1, 2, 3].map(|i| self.make_midpoint(p[i], p[(i + 1) % 4]));
             let centre = self.make_midpoint(m[0], m[2]);
-            [[p[0], m[0], centre, m[3]], [m[0], p[1], m[1], centre], [centre, m[1], p[2], m[2]], [m[3], centre, m[2], p[3]]]
+            [
+                [p[0], m[0], centre, m[3]],
+                [m[0], p[1], m[1], centre],
+                [centre, m[1], p[2], m[2]],
+                [m[3], centre, m[2], p[3]],
+            ]
         } else {
             let m = [0, 1, 2].map(|i| self.make_midpoint(p[i], p[(i + 1) % 3]));
-            [[p[0], m[0], m[2], NONE], [m[0], p[1], m[1], NONE], [m[2], m[1], p[2], NONE], [m[1], m[2], m[0], NONE]]
+            [
+                [p[0], m[0], m[2], NONE],
+                [m[0], p[1], m[1], NONE],
+                [m[2], m[1], p[2], NONE],
+                [m[1], m[2], m[0], NONE],
+            ]
         };
         let first = self.nodes.len() as NodeId;
         for (child, points) in child_points.into_iter().enumerate() {
             let polygon = parent.polygon.child(child);
             let shading = self.child_shading(&parent, child);
-            self.push_element(Element { points, polygon, shading, level: parent.level + 1, ..parent }, id);
+            self.push_element(
+                Element {
+                    points,
+                    polygon,
+                    shading,
+                    level: parent.level + 1,
+                    ..parent
+                },
+                id,
+            );
         }
         let per_area = self.node(id).reflecting_area / self.node(id).area;
         for child in first..first + 4 {
@@ -211,7 +252,9 @@ impl Hierarchy {
         let (lower, upper) = polygon
             .corners()
             .iter()
-            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &c| (low.min(c), high.max(c)));
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &c| {
+                (low.min(c), high.max(c))
+            });
         element.node = self.nodes.len() as NodeId;
         self.nodes.push(Node {
             lower,
@@ -241,16 +284,28 @@ impl Hierarchy {
     /// Panics unless the invariants hold: children point back, lie in their parent's box and fill its area.
     pub fn assert_well_formed(&self) {
         for (id, node) in self.nodes.iter().enumerate() {
-            assert!(node.area > 0.0 && node.radius > 0.0, "node {id} has no area");
+            assert!(
+                node.area > 0.0 && node.radius > 0.0,
+                "node {id} has no area"
+            );
             let mut area = 0.0;
             for child in self.children(id as NodeId) {
                 let inner = self.node(child);
-                assert_eq!(inner.parent, id as NodeId, "child {child} of {id} points elsewhere");
+                assert_eq!(
+                    inner.parent, id as NodeId,
+                    "child {child} of {id} points elsewhere"
+                );
                 let slack = Vec3::splat(4.0 * f32::EPSILON);
-                assert!(inner.lower.cmpge(node.lower - slack).all() && inner.upper.cmple(node.upper + slack).all());
+                assert!(
+                    inner.lower.cmpge(node.lower - slack).all()
+                        && inner.upper.cmple(node.upper + slack).all()
+                );
                 area += inner.area;
             }
-            assert!(node.first_child == NONE || (area / node.area - 1.0).abs() < 1e-4, "area of node {id}");
+            assert!(
+                node.first_child == NONE || (area / node.area - 1.0).abs() < 1e-4,
+                "area of node {id}"
+            );
         }
     }
 }

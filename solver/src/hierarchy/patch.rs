@@ -15,6 +15,17 @@ pub struct Patch {
     pub material: u32,
 }
 
+impl Patch {
+    /// Its corners, three or four.
+    pub fn corners(&self, points: &[Vec3]) -> Vec<Vec3> {
+        self.points
+            .iter()
+            .filter(|&&p| p != super::NONE)
+            .map(|&p| points[p as usize])
+            .collect()
+    }
+}
+
 /// Two faces lie in one plane when a corner is this much of an edge length away from it: rounding of f32 input.
 const COPLANAR: f32 = 1e-5;
 
@@ -43,7 +54,8 @@ pub fn merge(points: &[Vec3], normals: &[Vec3], triangles: &[Triangle]) -> (Vec<
                 if patch_of[other as usize] != super::NONE || other as usize == index {
                     continue;
                 }
-                if let Some((skew, patch)) = quad(points, normals, triangle, i, &triangles[other as usize])
+                if let Some((skew, patch)) =
+                    quad(points, normals, triangle, i, &triangles[other as usize])
                     && best.as_ref().is_none_or(|(s, ..)| skew < *s)
                 {
                     best = Some((skew, other, patch));
@@ -62,7 +74,11 @@ pub fn merge(points: &[Vec3], normals: &[Vec3], triangles: &[Triangle]) -> (Vec<
                     let [na, nb, nc] = n.map(|n| normals[n as usize]);
                     [na, nb, nc, na]
                 });
-                patches.push(Patch { points: [a, b, c, super::NONE], normals, material: triangle.material });
+                patches.push(Patch {
+                    points: [a, b, c, super::NONE],
+                    normals,
+                    material: triangle.material,
+                });
             }
         }
     }
@@ -71,7 +87,13 @@ pub fn merge(points: &[Vec3], normals: &[Vec3], triangles: &[Triangle]) -> (Vec<
 
 /// The quad of `first` and `second`, which share the edge from corner `edge` of `first`, with its skew: how far it
 /// is from a parallelogram, relative to its size.
-fn quad(points: &[Vec3], normals: &[Vec3], first: &Triangle, edge: usize, second: &Triangle) -> Option<(f32, Patch)> {
+fn quad(
+    points: &[Vec3],
+    normals: &[Vec3],
+    first: &Triangle,
+    edge: usize,
+    second: &Triangle,
+) -> Option<(f32, Patch)> {
     if first.material != second.material || first.normals.is_some() != second.normals.is_some() {
         return None;
     }
@@ -105,7 +127,14 @@ fn quad(points: &[Vec3], normals: &[Vec3], first: &Triangle, edge: usize, second
         _ => None,
     };
     let skew = (p[0] + p[2] - p[1] - p[3]).length() / size;
-    Some((skew, Patch { points: ids, normals: shading, material: first.material }))
+    Some((
+        skew,
+        Patch {
+            points: ids,
+            normals: shading,
+            material: first.material,
+        },
+    ))
 }
 
 #[cfg(test)]
@@ -115,12 +144,23 @@ mod tests {
     #[test]
     fn a_square_of_two_triangles_is_one_patch() {
         let points = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
-        for (a, b) in [([0, 1, 2], [0, 2, 3]), ([1, 2, 0], [3, 0, 2]), ([2, 0, 1], [2, 3, 0])] {
-            let triangles = [a, b].map(|points| Triangle { points, normals: None, material: 0 });
+        for (a, b) in [
+            ([0, 1, 2], [0, 2, 3]),
+            ([1, 2, 0], [3, 0, 2]),
+            ([2, 0, 1], [2, 3, 0]),
+        ] {
+            let triangles = [a, b].map(|points| Triangle {
+                points,
+                normals: None,
+                material: 0,
+            });
             let (patches, patch_of) = merge(&points, &[], &triangles);
             assert_eq!((patches.len(), patch_of.as_slice()), (1, [0, 0].as_slice()));
             let p = patches[0].points;
-            assert!((0..4).all(|i| (p[(i + 1) % 4] + 4 - p[i]) % 4 == 1), "keeps the winding: {p:?}");
+            assert!(
+                (0..4).all(|i| (p[(i + 1) % 4] + 4 - p[i]) % 4 == 1),
+                "keeps the winding: {p:?}"
+            );
         }
     }
 }

@@ -1,11 +1,19 @@
-//! Entry to a solve, its observer and its settings.
+//! Entry to a solve: scene in, solution out, with an observer that may stop it.
 
-use crate::config::Quality;
+mod prepare;
+mod shooting;
+
+use crate::config::{Quality, Settings};
 use crate::error::SolveError;
+use crate::export;
 use crate::radiometry::Rgb;
 use crate::scene::Scene;
-use crate::solution::{NO_DISTRIBUTION, Solution};
+use crate::solution::Solution;
+pub use prepare::Prepared;
+pub use shooting::Transported;
+pub(crate) use shooting::transport;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 /// Settings of a solve.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -18,6 +26,63 @@ pub struct SolveConfig {
     pub max_level: Option<u32>,
     /// Threads. `None`: all of the machine.
     pub threads: Option<usize>,
+    /// Share of the emitted power that a link may be wrong by (§3.1). `None`: follows from quality.
+    pub link_tolerance: Option<f32>,
+}
+
+impl SolveConfig {
+    /// The settings that follow. Errors: a knob outside its range.
+    pub fn settings(&self) -> Result<Settings, SolveError> {
+        let mut settings = Settings::of(self.quality);
+        let check = |ok: bool, setting, value: f64, expected| {
+            if ok {
+                Ok(())
+            } else {
+                Err(SolveError::Setting {
+                    setting,
+                    value,
+                    expected,
+                })
+            }
+        };
+        if let Some(seconds) = self.time_limit_s {
+            check(
+                seconds > 0.0 && seconds.is_finite(),
+                "time limit",
+                seconds,
+                "more than 0 s",
+            )?;
+        }
+        if let Some(level) = self.max_level {
+            check(
+                (1..=7).contains(&level),
+                "levels",
+                f64::from(level),
+                "within 1..7",
+            )?;
+            settings.transport_level = level;
+            settings.display_level = level;
+        }
+        if let Some(threads) = self.threads {
+            check(
+                (1..=1024).contains(&threads),
+                "threads",
+                threads as f64,
+                "within 1..1024",
+            )?;
+        }
+        if let Some(tolerance) = self.link_tolerance {
+            let in_range = tolerance > 0.0 && tolerance <= 1.0;
+            check(
+                in_range,
+                "link tolerance",
+                f64::from(tolerance),
+                "above 0, at most 1",
+            )?;
+            settings.link_tolerance = tolerance;
+        }
+        Ok(settings)
+    }
 }
 
 /// How far a solve has come.
@@ -41,30 +106,95 @@ impl Observer for () {
     }
 }
 
-/// Solves `scene`. Errors: settings out of range, materials without loss in a closed scene.
-pub fn solve(scene: &Scene, config: &SolveConfig, observer: &mut dyn Observer) -> Result<Solution, SolveError> {
-    let _ = (config, observer.report(&Progress { phase: "solve", done: 1.0 }));
-    let mut solution = Solution {
-        materials: scene.materials().to_vec(),
-        cameras: scene.cameras().to_vec(),
-        ..Solution::default()
-    };
-    for triangle in scene.triangles() {
-        let [a, b, c] = scene.corners(triangle);
-        let normal = (b - a).cross(c - a).normalize();
-        let material = &scene.materials()[triangle.material as usize];
-        for (corners, normal, emission) in [([a, b, c], normal, material.emission), ([a, c, b], -normal, Rgb::BLACK)] {
-            let first = solution.position.len() as u32;
-            for corner in corners {
-                solution.position.push(corner);
-                solution.normal.push(normal);
-                solution.radiance.push(emission + material.diffuse * (0.2 + 0.1 * normal.y.abs()));
-                solution.material.push(triangle.material);
-                solution.distribution_offset.push(NO_DISTRIBUTION);
-            }
-            solution.triangles.push([first, first + 1, first + 2]);
-            solution.element_edges.push(7);
+/// Joins the caller's observer and the time limit; remembers that one of them said stop.
+pub(crate) struct Watch<'a> {
+    observer: &'a mut dyn Observer,
+    started: Instant,
+    time_limit_s: Option<f64>,
+    stopped: bool,
+    done: f32,
+}
+
+impl Watch<'_> {
+    /// Reports; `Break` once stopped, and ever after.
+    pub(crate) fn report(&mut self, phase: &'static str, done: f32) -> ControlFlow<()> {
+        self.done = self.done.max(done.clamp(0.0, 1.0));
+        let late = self
+            .time_limit_s
+            .is_some_and(|limit| self.started.elapsed().as_secs_f64() > limit);
+        let stop = self
+            .observer
+            .report(&Progress {
+                phase,
+                done: self.done,
+            })
+            .is_break();
+        self.stopped |= late || stop;
+        if self.stopped {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     }
+
+    /// True when the rest is to be kept short.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+}
+
+/// Solves `scene`: hierarchical radiance clustering with illumination samples (§3), shooting (§3.4), then export of
+/// directional light per vertex (§5.2). Errors: settings out of range, materials without loss, light that grows
+/// beyond numbers. When the observer stops it, the solution holds what was found until then.
+pub fn solve(
+    scene: &Scene,
+    config: &SolveConfig,
+    observer: &mut dyn Observer,
+) -> Result<Solution, SolveError> {
+    let settings = config.settings()?;
+    check_loss(scene)?;
+    let mut watch = Watch {
+        observer,
+        started: Instant::now(),
+        time_limit_s: config.time_limit_s,
+        stopped: false,
+        done: 0.0,
+    };
+    let mut work = || -> Result<Solution, SolveError> {
+        let prepared = Prepared::new(scene, &settings);
+        let mut transported = transport(&prepared, &settings, &mut watch)?;
+        let mut solution =
+            export::export(scene, &prepared, &settings, &mut transported, &mut watch);
+        solution.stats.solve.quality = f64::from(config.quality.value());
+        Ok(solution)
+    };
+    let mut solution = match config.threads {
+        None => work(),
+        Some(threads) => match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+            Ok(pool) => pool.install(work),
+            // A system that gives no threads still has the pool that exists.
+            Err(_) => work(),
+        },
+    }?;
+    solution.stats.solve.wall_s = watch.started.elapsed().as_secs_f64();
     Ok(solution)
+}
+
+/// Refuses reflectances of 1: in a closed scene the light would never end.
+fn check_loss(scene: &Scene) -> Result<(), SolveError> {
+    for material in scene.materials() {
+        let specular = match material.gloss {
+            crate::scene::Gloss::None => Rgb::BLACK,
+            crate::scene::Gloss::Phong { specular, .. }
+            | crate::scene::Gloss::Ward { specular, .. } => specular,
+        };
+        let albedo = (material.diffuse + specular).max_channel();
+        if material.diffuse.max_channel() >= 1.0 {
+            return Err(SolveError::NoLoss {
+                material: material.name.clone(),
+                albedo,
+            });
+        }
+    }
+    Ok(())
 }

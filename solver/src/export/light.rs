@@ -1,0 +1,332 @@
+//! Light at the vertices of the mesh: gathered there with the bounded propagation, or averaged from the elements
+//! around (§5.2).
+
+use super::mesh::{Mesh, Vertex, leaves};
+use crate::config::Settings;
+use crate::directional::{Projection, Projector, Source, packed};
+use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
+use crate::radiometry::Rgb;
+use crate::solve::{Prepared, Transported, Watch};
+use crate::transport::exitant::Exitant;
+use crate::transport::illumination::IlluminationSample;
+use crate::transport::link::Receiver;
+use crate::transport::propagate::{Accuracy, Environment, Gloss, LinkStats, Propagation};
+use crate::transport::reflect::{ReflectConfig, reflect};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::f32::consts::PI;
+
+/// What a vertex shows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct VertexLight {
+    /// Irradiance.
+    pub irradiance: Rgb,
+    /// Direction-independent radiance, emission included.
+    pub radiance: Rgb,
+    /// Packed distribution of glossily reflected light.
+    pub distribution: Option<Box<[u32]>>,
+    /// Links and rays that it took.
+    pub stats: LinkStats,
+    /// Cost of the reflection.
+    pub brdf_evaluations: u64,
+    /// Cells of the distribution.
+    pub basis_functions: u64,
+}
+
+/// Everything that lights a vertex.
+pub(super) struct Light<'a> {
+    prepared: &'a Prepared,
+    settings: &'a Settings,
+    propagation: Propagation<'a>,
+    total: &'a Exitant,
+    /// Irradiance per node of the transport.
+    irradiance: &'a [Rgb],
+    /// Mean irradiance over all lit surfaces [mean over channels].
+    mean_irradiance: f32,
+}
+
+/// A vertex is gathered this far from its place towards the middle of the leaves around it: on an edge between two
+/// walls the form factor of the other wall is not defined.
+const INSET: f32 = 1.0 / 12.0;
+
+/// Vertices that are gathered between two reports.
+const BATCH: usize = 4096;
+
+impl<'a> Light<'a> {
+    pub(super) fn new(
+        prepared: &'a Prepared,
+        settings: &'a Settings,
+        transported: &'a Transported,
+        environment: &'a Environment<'a>,
+        node_count: usize,
+    ) -> Self {
+        let (mut sum, mut area) = (0.0f64, 0.0f64);
+        for (id, irradiance) in transported.irradiance.iter().enumerate() {
+            if !irradiance.is_black() {
+                let leaf = transported.leaf_area[id];
+                sum += f64::from(irradiance.mean()) * f64::from(leaf);
+                area += f64::from(leaf);
+            }
+        }
+        let propagation = Propagation {
+            environment,
+            exitant: &transported.total,
+            node_count,
+            cluster_gloss: &transported.cluster_gloss,
+            accuracy: Accuracy {
+                tolerance: 0.0,
+                min_radius: 0.0,
+                strata: settings.vertex_strata,
+            },
+            with_point_lights: true,
+            record: false,
+        };
+        Self {
+            prepared,
+            settings,
+            propagation,
+            total: &transported.total,
+            irradiance: &transported.irradiance,
+            mean_irradiance: if area > 0.0 { (sum / area) as f32 } else { 0.0 },
+        }
+    }
+
+    /// Irradiance below which differences on a material do not matter: a share of the mean, more on dark materials
+    /// and on lamps, which outshine what they reflect.
+    pub(super) fn visible_difference(&self, material: u32) -> f32 {
+        let emission = self.prepared.frame.materials[material as usize]
+            .emission
+            .mean();
+        0.1 * self.mean_irradiance + 0.5 * PI * emission
+    }
+
+    /// Irradiance that the transport found at a leaf or, if it has been split since, at what it was part of.
+    fn known_irradiance(&self, hierarchy: &Hierarchy, leaf: NodeId) -> f32 {
+        let mut at = leaf;
+        while at as usize >= self.irradiance.len() {
+            at = hierarchy.node(at).parent;
+        }
+        self.irradiance[at as usize].mean()
+    }
+
+    fn gather(
+        &self,
+        hierarchy: &Hierarchy,
+        element: &Element,
+        position: Vec3,
+        normal: Vec3,
+        gloss: Gloss,
+        samples: &mut Vec<IlluminationSample>,
+    ) -> LinkStats {
+        samples.clear();
+        let receiver = Receiver::vertex(position, normal, element.patch);
+        let known = self.known_irradiance(hierarchy, element.node);
+        let limit =
+            self.settings.vertex_tolerance * (known + self.visible_difference(element.material));
+        self.propagation
+            .gather(hierarchy, &receiver, gloss, limit, samples)
+    }
+
+    /// Irradiance in the middle of a leaf.
+    pub(super) fn irradiance_at_centre(&self, hierarchy: &Hierarchy, element: &Element) -> Rgb {
+        let mut samples = Vec::new();
+        let normal = hierarchy.shading_normal(element);
+        let centre = hierarchy.node(element.node).centre;
+        self.gather(
+            hierarchy,
+            element,
+            centre,
+            normal,
+            Gloss::default(),
+            &mut samples,
+        );
+        crate::transport::illumination::irradiance(&samples, normal)
+    }
+
+    /// Gathers at every vertex of `mesh` that is not in `lit` yet.
+    pub(super) fn gather_missing(
+        &self,
+        hierarchy: &Hierarchy,
+        mesh: &Mesh,
+        lit: &mut Vec<VertexLight>,
+        watch: &mut Watch<'_>,
+        done: f32,
+    ) {
+        while lit.len() < mesh.vertices.len() {
+            let end = mesh.vertices.len().min(lit.len() + BATCH);
+            let batch: Vec<VertexLight> = mesh.vertices[lit.len()..end]
+                .par_iter()
+                .with_max_len(32)
+                .map_init(
+                    || (Projector::default(), Vec::new()),
+                    |(projector, samples), vertex| {
+                        self.vertex(hierarchy, vertex, projector, samples)
+                    },
+                )
+                .collect();
+            lit.extend(batch);
+            // A stopped solve still gets light at every vertex it has: they are few after a stop.
+            let _ = watch.report("light at vertices", done);
+        }
+    }
+
+    fn vertex(
+        &self,
+        hierarchy: &Hierarchy,
+        vertex: &Vertex,
+        projector: &mut Projector,
+        samples: &mut Vec<IlluminationSample>,
+    ) -> VertexLight {
+        let element = &hierarchy.elements[hierarchy.node(vertex.leaf).element as usize];
+        let material = vertex.material as usize;
+        let lobe = self.prepared.lobes[material].as_ref();
+        let gloss = Gloss::of(lobe, self.prepared.diffuse[material]);
+        let place = hierarchy.points[vertex.point as usize];
+        // On smooth surfaces the middle of several leaves lies inside the solid: stay on one of them.
+        let towards = if element.shading == NONE && vertex.centres.1 > 0 {
+            vertex.centres.0 / vertex.centres.1 as f32
+        } else {
+            hierarchy.node(vertex.leaf).centre
+        };
+        let stats = self.gather(
+            hierarchy,
+            element,
+            place.lerp(towards, INSET),
+            vertex.normal,
+            gloss,
+            samples,
+        );
+        let config = ReflectConfig {
+            epsilon: self.settings.epsilon,
+            max_level: self.settings.display_level,
+            floor: 0.2,
+            least: 0.02 * self.mean_irradiance,
+            conserve: false,
+        };
+        let reflected = reflect(
+            samples,
+            vertex.normal,
+            self.prepared.diffuse[material],
+            lobe,
+            &config,
+            projector,
+        );
+        VertexLight {
+            irradiance: reflected.irradiance,
+            radiance: reflected.diffuse + self.emission(element),
+            distribution: reflected.distribution,
+            stats,
+            brdf_evaluations: reflected.brdf_evaluations,
+            basis_functions: reflected.cost.basis_functions,
+        }
+    }
+
+    fn emission(&self, element: &Element) -> Rgb {
+        let material = &self.prepared.frame.materials[element.material as usize];
+        if !element.back || material.emits_from_back {
+            material.emission
+        } else {
+            Rgb::BLACK
+        }
+    }
+
+    /// Gives every vertex the mean of the leaves around it, weighted by area (§5.2).
+    pub(super) fn average(&self, hierarchy: &Hierarchy, mesh: &Mesh, lit: &mut Vec<VertexLight>) {
+        let mut around: Vec<Vec<NodeId>> = vec![Vec::new(); mesh.vertices.len()];
+        for element in leaves(hierarchy) {
+            for corner in mesh.corners(hierarchy, element) {
+                around[corner as usize].push(element.node);
+            }
+        }
+        for (vertex, around) in mesh.vertices.iter().zip(&mut around) {
+            if around.is_empty() {
+                around.push(vertex.leaf);
+            }
+        }
+        *lit = around
+            .par_iter()
+            .with_max_len(64)
+            .map_init(Projector::default, |projector, around| {
+                self.mean_of(hierarchy, around, projector)
+            })
+            .collect();
+    }
+
+    fn mean_of(
+        &self,
+        hierarchy: &Hierarchy,
+        around: &[NodeId],
+        projector: &mut Projector,
+    ) -> VertexLight {
+        // A leaf that was split for balance has the light of what it was part of.
+        let lit: Vec<(NodeId, f32)> = around
+            .iter()
+            .map(|&leaf| {
+                let mut at = leaf;
+                while at as usize >= self.total.len() {
+                    at = hierarchy.node(at).parent;
+                }
+                (at, hierarchy.node(leaf).area)
+            })
+            .collect();
+        let area: f32 = lit.iter().map(|l| l.1).sum();
+        let mut light = VertexLight::default();
+        for &(id, part) in &lit {
+            light.radiance += self.total.diffuse[id as usize] * (part / area);
+            light.irradiance += self.irradiance[id as usize] * (part / area);
+        }
+        if lit
+            .iter()
+            .all(|l| self.total.distribution[l.0 as usize].is_none())
+        {
+            return light;
+        }
+        let how = Projection {
+            min_level: 1,
+            max_level: self.settings.display_level,
+            epsilon: self.settings.epsilon,
+            floor: 0.2 * light.radiance.mean() + 0.02 * self.mean_irradiance,
+            relative: true,
+            horizon: None,
+            integral: None,
+        };
+        let mut words = Vec::new();
+        let mut source = Mean {
+            total: self.total,
+            parts: &lit,
+            area,
+        };
+        light.basis_functions = projector
+            .project(&mut source, &how, &mut words)
+            .basis_functions;
+        if light.basis_functions > 0 {
+            light.distribution = Some(words.into_boxed_slice());
+        }
+        light
+    }
+}
+
+/// Mean of several distributions.
+struct Mean<'a> {
+    total: &'a Exitant,
+    parts: &'a [(NodeId, f32)],
+    area: f32,
+}
+
+impl Source for Mean<'_> {
+    fn eval(&mut self, _: &[u32], direction: Vec3) -> Rgb {
+        self.parts.iter().fold(Rgb::BLACK, |sum, &(id, part)| {
+            match &self.total.distribution[id as usize] {
+                Some(words) => sum + packed::evaluate(words, direction) * (part / self.area),
+                None => sum,
+            }
+        })
+    }
+    fn narrow(&self, _: &[u32], _: Vec3, _: usize, _: &mut Vec<u32>) {}
+    fn candidate_count(&self) -> u32 {
+        0
+    }
+    fn hidden_peak(&self, _: &[u32], _: usize) -> f32 {
+        0.0
+    }
+}

@@ -1,0 +1,197 @@
+//! The conforming leaf mesh: shared vertices, no T-junctions.
+//!
+//! Edge midpoints are shared points of the hierarchy, whatever surface they belong to; after 2:1 balancing a leaf
+//! has at most one hanging point an edge, and templates triangulate it with them. Cost: linear in the leaves.
+
+use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+/// A vertex of the mesh: a point as one smooth surface sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Vertex {
+    /// Index into [`Hierarchy::points`].
+    pub point: u32,
+    /// Shading normal.
+    pub normal: Vec3,
+    /// Material.
+    pub material: u32,
+    /// A leaf element around it, the first in order.
+    pub leaf: NodeId,
+    /// Sum of the centres of the leaves around it, and their number.
+    pub centres: (Vec3, u32),
+}
+
+/// Vertices and triangles.
+#[derive(Default)]
+pub(super) struct Mesh {
+    pub vertices: Vec<Vertex>,
+    pub triangles: Vec<[u32; 3]>,
+    pub element_edges: Vec<u8>,
+    index: FxHashMap<Key, u32>,
+}
+
+/// Point, material and normal in steps of 1/1024: one vertex a smooth surface.
+type Key = (u32, u32, [i16; 3]);
+
+fn key(point: u32, material: u32, normal: Vec3) -> Key {
+    (
+        point,
+        material,
+        (normal * 1024.0).round().to_array().map(|c| c as i16),
+    )
+}
+
+/// Shading normal at corner `i` of an element.
+pub(super) fn corner_normal(hierarchy: &Hierarchy, element: &Element, i: usize) -> Vec3 {
+    if element.shading == NONE {
+        element.normal
+    } else {
+        hierarchy.shading_normals[element.shading as usize][i]
+    }
+}
+
+/// Leaf elements in the order of their making.
+pub(super) fn leaves(hierarchy: &Hierarchy) -> impl Iterator<Item = &Element> {
+    hierarchy
+        .elements
+        .iter()
+        .filter(|e| hierarchy.is_leaf(e.node))
+}
+
+impl Mesh {
+    /// Makes vertices for the corners of all leaves; known ones are kept, with the leaves around them told anew.
+    pub(super) fn add_corners(&mut self, hierarchy: &Hierarchy) {
+        for vertex in &mut self.vertices {
+            vertex.centres = (Vec3::ZERO, 0);
+        }
+        for element in leaves(hierarchy) {
+            for i in 0..element.corner_count() {
+                let normal = corner_normal(hierarchy, element, i);
+                let vertex = self.vertex(element.points[i], normal, element);
+                let centre = hierarchy.node(element.node).centre;
+                let (sum, count) = &mut self.vertices[vertex as usize].centres;
+                *sum += centre;
+                if *count == 0 {
+                    self.vertices[vertex as usize].leaf = element.node;
+                }
+                self.vertices[vertex as usize].centres.1 += 1;
+            }
+        }
+    }
+
+    /// The vertex at a point on `element`'s surface.
+    fn vertex(&mut self, point: u32, normal: Vec3, element: &Element) -> u32 {
+        let vertices = &mut self.vertices;
+        *self
+            .index
+            .entry(key(point, element.material, normal))
+            .or_insert_with(|| {
+                let centres = (Vec3::ZERO, 0);
+                vertices.push(Vertex {
+                    point,
+                    normal,
+                    material: element.material,
+                    leaf: element.node,
+                    centres,
+                });
+                vertices.len() as u32 - 1
+            })
+    }
+
+    /// The vertices at the corners of a leaf, which [`Self::add_corners`] made.
+    pub(super) fn corners(
+        &self,
+        hierarchy: &Hierarchy,
+        element: &Element,
+    ) -> impl Iterator<Item = u32> {
+        let known = |i: usize| {
+            let normal = corner_normal(hierarchy, element, i);
+            self.index[&key(element.points[i], element.material, normal)]
+        };
+        (0..element.corner_count())
+            .map(known)
+            .collect::<Vec<_>>()
+            .into_iter()
+    }
+
+    /// Triangles of all leaves, hanging points included.
+    pub(super) fn triangulate(&mut self, hierarchy: &Hierarchy) {
+        let all: Vec<Element> = leaves(hierarchy).copied().collect();
+        for element in all {
+            let count = element.corner_count();
+            // Corners and hanging points, in order; each with whether it is a corner.
+            let mut ring: Vec<(u32, bool)> = Vec::with_capacity(8);
+            for i in 0..count {
+                let j = (i + 1) % count;
+                let (a, b) = (element.points[i], element.points[j]);
+                let (na, nb) = (
+                    corner_normal(hierarchy, &element, i),
+                    corner_normal(hierarchy, &element, j),
+                );
+                ring.push((self.vertex(a, na, &element), true));
+                if let Some(middle) = hierarchy.midpoint(a, b) {
+                    let normal = if element.shading == NONE {
+                        element.normal
+                    } else {
+                        (na + nb).normalize_or(element.normal)
+                    };
+                    ring.push((self.vertex(middle, normal, &element), false));
+                }
+            }
+            self.fill(hierarchy, &ring, count);
+        }
+    }
+
+    /// Triangulates one leaf from its ring.
+    fn fill(&mut self, hierarchy: &Hierarchy, ring: &[(u32, bool)], corners: usize) {
+        let n = ring.len();
+        if n == corners {
+            if n == 3 {
+                return self.push([ring[0].0, ring[1].0, ring[2].0], 0b111);
+            }
+            // The shorter diagonal; the first on a tie.
+            let at = |i: usize| hierarchy.points[self.vertices[ring[i].0 as usize].point as usize];
+            let (d02, d13) = (at(0).distance_squared(at(2)), at(1).distance_squared(at(3)));
+            let start = usize::from(d13 < d02);
+            let v = |i: usize| ring[(start + i) % 4].0;
+            self.push([v(0), v(1), v(2)], 0b011);
+            return self.push([v(0), v(2), v(3)], 0b110);
+        }
+        // Cut the corner between two hanging points first; what is left is convex with fewer of them.
+        if let Some(corner) =
+            (0..n).find(|&i| ring[i].1 && !ring[(i + 1) % n].1 && !ring[(i + n - 1) % n].1)
+        {
+            let (before, after) = ((corner + n - 1) % n, (corner + 1) % n);
+            self.push([ring[before].0, ring[corner].0, ring[after].0], 0b011);
+            let mut rest: Vec<(u32, bool)> = ring.to_vec();
+            // The cut makes its two ends true corners of the rest.
+            rest[before].1 = true;
+            rest[after].1 = true;
+            rest.remove(corner);
+            let left = rest.iter().filter(|r| r.1).count();
+            return self.fill_any(&rest, left);
+        }
+        self.fill_any(ring, corners);
+    }
+
+    /// A fan from a hanging point, whose neighbours are corners, or from a corner if there is none.
+    fn fill_any(&mut self, ring: &[(u32, bool)], _: usize) {
+        let n = ring.len();
+        if n == 3 {
+            return self.push([ring[0].0, ring[1].0, ring[2].0], 0b111);
+        }
+        let start = (0..n).find(|&i| !ring[i].1).unwrap_or(0);
+        let v = |i: usize| ring[(start + i) % n].0;
+        for i in 1..n - 1 {
+            let first = u8::from(i == 1);
+            let last = if i == n - 2 { 0b100 } else { 0 };
+            self.push([v(0), v(i), v(i + 1)], first | 0b010 | last);
+        }
+    }
+
+    fn push(&mut self, triangle: [u32; 3], edges: u8) {
+        self.triangles.push(triangle);
+        self.element_edges.push(edges);
+    }
+}

@@ -1,0 +1,156 @@
+//! From the hierarchy to a mesh with directional light per vertex (§5.2 and design §4 "Export").
+
+mod light;
+mod mesh;
+mod refine;
+
+use crate::config::Settings;
+use crate::hierarchy::Hierarchy;
+use crate::radiometry::Rgb;
+use crate::scene::Scene;
+use crate::solution::{NO_DISTRIBUTION, Solution};
+use crate::solve::{Prepared, Transported, Watch};
+use glam::Vec3;
+use light::{Light, VertexLight};
+use mesh::Mesh;
+use std::time::Instant;
+
+/// Builds the solution. Leaves of the hierarchy are split further where the displayed light wants it.
+pub(crate) fn export(
+    scene: &Scene,
+    prepared: &Prepared,
+    settings: &Settings,
+    transported: &mut Transported,
+    watch: &mut Watch<'_>,
+) -> Solution {
+    let started = Instant::now();
+    let environment = prepared.environment();
+    let mut hierarchy = std::mem::take(&mut transported.hierarchy);
+    let light = Light::new(
+        prepared,
+        settings,
+        transported,
+        &environment,
+        hierarchy.nodes.len(),
+    );
+    let gather = settings.gather && !watch.is_stopped();
+    if gather {
+        refine::split_large(prepared, settings, &mut hierarchy);
+    }
+    refine::balance(&mut hierarchy);
+    let mut mesh = Mesh::default();
+    mesh.add_corners(&hierarchy);
+    let mut lit: Vec<VertexLight> = Vec::new();
+    if gather {
+        refine::gather_and_split(&mut hierarchy, &mut mesh, &light, &mut lit, settings, watch);
+    }
+    mesh.triangulate(&hierarchy);
+    if gather {
+        light.gather_missing(&hierarchy, &mesh, &mut lit, watch, 0.95);
+    } else {
+        light.average(&hierarchy, &mesh, &mut lit);
+    }
+    let mut stats = transported.stats.clone();
+    for vertex in &lit {
+        stats.solve.vertex_links += vertex.stats.links;
+        stats.solve.rays += vertex.stats.rays;
+        stats.solve.brdf_evaluations += vertex.brdf_evaluations;
+        stats.solve.basis_functions += vertex.basis_functions;
+        stats.solve.distributions += u64::from(vertex.distribution.is_some());
+    }
+    stats.scene.triangles = scene.triangles().len() as u64;
+    let mut solution = assemble(scene, prepared, &hierarchy, &mesh, lit);
+    let _ = watch.report("export", 1.0);
+    stats.solve.phases_s.export = started.elapsed().as_secs_f64();
+    stats.solve.bytes.distributions = stats
+        .solve
+        .bytes
+        .distributions
+        .max(size_of_val(solution.distribution_words.as_slice()) as u64);
+    let bytes = &mut stats.solve.bytes;
+    bytes.hierarchy = bytes.hierarchy.max(hierarchy.bytes() as u64);
+    bytes.total = bytes.hierarchy + bytes.illumination_samples + bytes.distributions;
+    solution.stats = stats;
+    solution
+}
+
+fn assemble(
+    scene: &Scene,
+    prepared: &Prepared,
+    hierarchy: &Hierarchy,
+    mesh: &Mesh,
+    lit: Vec<VertexLight>,
+) -> Solution {
+    let frame = &prepared.frame;
+    let mut solution = Solution {
+        materials: scene.materials().to_vec(),
+        cameras: scene.cameras().to_vec(),
+        glass_corners: prepared
+            .glass
+            .iter()
+            .map(|t| t.map(|p| frame.position(p)))
+            .collect(),
+        glass_material: prepared.glass_material.clone(),
+        triangles: mesh.triangles.clone(),
+        element_edges: mesh.element_edges.clone(),
+        ..Solution::default()
+    };
+    for (vertex, light) in mesh.vertices.iter().zip(lit) {
+        solution
+            .position
+            .push(frame.position(hierarchy.points[vertex.point as usize]));
+        solution.normal.push(vertex.normal);
+        solution.radiance.push(frame.radiance(light.radiance));
+        solution.material.push(vertex.material);
+        match light.distribution {
+            Some(words) => {
+                solution
+                    .distribution_offset
+                    .push(solution.distribution_words.len() as u32);
+                let scale = f32::from_bits(words[0]) * frame.radiance_unit();
+                solution.distribution_words.push(scale.to_bits());
+                solution.distribution_words.extend_from_slice(&words[1..]);
+            }
+            None => solution.distribution_offset.push(NO_DISTRIBUTION),
+        }
+    }
+    push_dark_sides(prepared, &mut solution);
+    solution
+}
+
+/// Sides that light cannot reach are black, but they hide what is behind them.
+fn push_dark_sides(prepared: &Prepared, solution: &mut Solution) {
+    for (patch, lit) in prepared.patches.iter().zip(&prepared.lit) {
+        for back in [false, true] {
+            if lit[usize::from(back)] {
+                continue;
+            }
+            let mut corners: Vec<Vec3> = patch
+                .corners(&prepared.frame.points)
+                .into_iter()
+                .map(|p| prepared.frame.position(p))
+                .collect();
+            if back {
+                corners.reverse();
+            }
+            let normal = (corners[1] - corners[0])
+                .cross(corners[2] - corners[0])
+                .normalize_or(Vec3::Y);
+            let first = solution.position.len() as u32;
+            for &corner in &corners {
+                solution.position.push(corner);
+                solution.normal.push(normal);
+                solution.radiance.push(Rgb::BLACK);
+                solution.material.push(patch.material);
+                solution.distribution_offset.push(NO_DISTRIBUTION);
+            }
+            solution.triangles.push([first, first + 1, first + 2]);
+            if corners.len() == 4 {
+                solution.triangles.push([first, first + 2, first + 3]);
+                solution.element_edges.extend([0b011, 0b110]);
+            } else {
+                solution.element_edges.push(0b111);
+            }
+        }
+    }
+}

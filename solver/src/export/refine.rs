@@ -1,0 +1,127 @@
+//! Splitting of leaves for display: large ones, unbalanced ones, and those whose light is not what their corners
+//! predict: error control after the fact, where the eye will look.
+
+use super::light::{Light, VertexLight};
+use super::mesh::{Mesh, leaves};
+use crate::config::Settings;
+use crate::hierarchy::{Element, Hierarchy};
+use crate::radiometry::Rgb;
+use crate::solve::{Prepared, Watch};
+use rayon::prelude::*;
+
+/// Splits leaves above the largest size; glossy ones until they are small against their lobe.
+pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &mut Hierarchy) {
+    // A lobe moves over a surface as the eye does: at a distance of a third of the scene, its half-width covers this.
+    const VIEWING_DISTANCE: f32 = 1.0 / 3.0;
+    let mut next = 0;
+    // Children are appended, so the loop meets them too.
+    while next < hierarchy.elements.len() {
+        let element = hierarchy.elements[next];
+        next += 1;
+        if !hierarchy.is_leaf(element.node) {
+            continue;
+        }
+        let edge = hierarchy.node(element.node).radius * std::f32::consts::SQRT_2;
+        let most = match &prepared.lobes[element.material as usize] {
+            Some(lobe) => settings
+                .max_edge
+                .min((lobe.half_width * VIEWING_DISTANCE).max(settings.min_edge * 2.0)),
+            None => settings.max_edge,
+        };
+        if edge > most {
+            hierarchy.subdivide(element.node);
+        }
+    }
+}
+
+/// Splits leaves until no edge has more than one hanging point (2:1 balance).
+pub(super) fn balance(hierarchy: &mut Hierarchy) {
+    let mut changed = true;
+    while changed {
+        changed = false;
+        for index in 0..hierarchy.elements.len() {
+            let element = hierarchy.elements[index];
+            if hierarchy.is_leaf(element.node) && has_deep_edge(hierarchy, &element) {
+                hierarchy.subdivide(element.node);
+                changed = true;
+            }
+        }
+    }
+}
+
+fn has_deep_edge(hierarchy: &Hierarchy, element: &Element) -> bool {
+    let count = element.corner_count();
+    (0..count).any(|i| {
+        let (a, b) = (element.points[i], element.points[(i + 1) % count]);
+        hierarchy.midpoint(a, b).is_some_and(|m| {
+            hierarchy.midpoint(a, m).is_some() || hierarchy.midpoint(m, b).is_some()
+        })
+    })
+}
+
+/// Gathers at all vertices, splits leaves whose centre is mispredicted, and so on down to the smallest size.
+pub(super) fn gather_and_split(
+    hierarchy: &mut Hierarchy,
+    mesh: &mut Mesh,
+    light: &Light<'_>,
+    lit: &mut Vec<VertexLight>,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) {
+    let mut tested = vec![false; hierarchy.nodes.len()];
+    // Each pass halves the leaves: with size 1 and the smallest edge, no more than this many.
+    let passes = (1.0 / settings.min_edge).log2().ceil() as u32 + 1;
+    for pass in 0..passes {
+        let done = 0.5 + 0.45 * (1.0 - 0.6f32.powi(pass as i32));
+        light.gather_missing(hierarchy, mesh, lit, watch, done);
+        if watch.is_stopped() {
+            return;
+        }
+        let candidates: Vec<Element> = leaves(hierarchy)
+            .filter(|e| {
+                !tested.get(e.node as usize).copied().unwrap_or(false)
+                    && hierarchy.node(e.node).radius * std::f32::consts::SQRT_2 > settings.min_edge
+                    && e.corner_count() > 0
+            })
+            .copied()
+            .collect();
+        let shared = &*hierarchy;
+        let split: Vec<bool> = candidates
+            .par_iter()
+            .with_max_len(32)
+            .map(|element| {
+                let corners: Vec<&VertexLight> = mesh
+                    .corners(shared, element)
+                    .map(|v| &lit[v as usize])
+                    .collect();
+                let mean = corners.iter().fold(Rgb::BLACK, |sum, v| sum + v.irradiance)
+                    / corners.len() as f32;
+                let spread = corners
+                    .iter()
+                    .fold(0.0f32, |m, v| m.max((v.irradiance - mean).mean().abs()));
+                let visible = light.visible_difference(element.material);
+                // Flat and dark surroundings need no look at their centre once they are fairly small.
+                if mean.mean() + spread < visible {
+                    return false;
+                }
+                let centre = light.irradiance_at_centre(shared, element);
+                let difference = (centre - mean).max(mean - centre).max_channel();
+                difference > settings.mesh_tolerance * (centre.mean().max(mean.mean()) + visible)
+            })
+            .collect();
+        tested.resize(hierarchy.nodes.len(), false);
+        let mut any = false;
+        for (element, split) in candidates.iter().zip(split) {
+            tested[element.node as usize] = true;
+            if split && hierarchy.is_leaf(element.node) {
+                hierarchy.subdivide(element.node);
+                any = true;
+            }
+        }
+        if !any {
+            return;
+        }
+        balance(hierarchy);
+        mesh.add_corners(hierarchy);
+    }
+}

@@ -1,0 +1,141 @@
+//! Which sides of the patches light can reach at all.
+//!
+//! Surfaces reflect on both sides, but most backs are inside solid things or outside of a closed room. Light is
+//! flooded along rays: a side is lit when it emits, when a lit side's ray meets it, or when a ray of its own meets a
+//! lit side. What is left is dark and needs no element. Hoped, not proven: an opening that a few dozen rays from
+//! either side all miss is taken for closed. Cost: a few dozen rays per side.
+
+use super::patch::Patch;
+use crate::geometry::{Polygon, hash};
+use crate::radiometry::Rgb;
+use crate::scene::Material;
+use crate::transport::visibility::Occluders;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::f32::consts::TAU;
+
+/// Rays that a newly lit side sends, and that a dark one casts for itself.
+const RAYS: u32 = 24;
+/// Rays from each point light and each emitter.
+const LAMP_RAYS: u32 = 512;
+
+/// For each patch: can light reach its front, its back?
+pub fn lit_sides(
+    points: &[Vec3],
+    patches: &[Patch],
+    materials: &[Material],
+    point_lights: &[(Vec3, Rgb)],
+    occluders: &Occluders,
+) -> Vec<[bool; 2]> {
+    let usable: Vec<[bool; 2]> = patches
+        .iter()
+        .map(|patch| {
+            let m = &materials[patch.material as usize];
+            [
+                true,
+                m.two_sided || (m.emits_from_back && !m.emission.is_black()),
+            ]
+        })
+        .collect();
+    let sides = Sides {
+        points,
+        patches,
+        occluders,
+    };
+    let mut lit = vec![[false; 2]; patches.len()];
+    let mut fresh: Vec<(u32, bool, u32)> = Vec::new();
+    for (index, patch) in patches.iter().enumerate() {
+        let m = &materials[patch.material as usize];
+        if !m.emission.is_black() {
+            for back in [false, true] {
+                if !back || m.emits_from_back {
+                    lit[index][usize::from(back)] = true;
+                    fresh.push((index as u32, back, LAMP_RAYS));
+                }
+            }
+        }
+    }
+    let mut hits: Vec<(u32, bool)> = Vec::new();
+    for &(position, _) in point_lights {
+        for ray in 0..LAMP_RAYS * 8 {
+            let z = 2.0 * hash::unit(ray, 1) - 1.0;
+            let (s, phi) = ((1.0 - z * z).sqrt(), TAU * hash::unit(ray, 2));
+            hits.extend(occluders.first_hit(
+                position,
+                Vec3::new(s * phi.cos(), s * phi.sin(), z),
+                super::NONE,
+            ));
+        }
+    }
+    loop {
+        let found: Vec<Vec<(u32, bool)>> = fresh
+            .par_iter()
+            .map(|&(patch, back, rays)| sides.seen_from(patch, back, rays))
+            .collect();
+        hits.extend(found.into_iter().flatten());
+        fresh.clear();
+        for (patch, back) in hits.drain(..) {
+            let side = usize::from(back);
+            if usable[patch as usize][side] && !lit[patch as usize][side] {
+                lit[patch as usize][side] = true;
+                fresh.push((patch, back, RAYS));
+            }
+        }
+        if !fresh.is_empty() {
+            continue;
+        }
+        // Nobody's ray meets the rest: do theirs meet anything lit?
+        let dark: Vec<(u32, bool)> = (0..patches.len() as u32)
+            .flat_map(|patch| [(patch, false), (patch, true)])
+            .filter(|&(p, back)| {
+                usable[p as usize][usize::from(back)] && !lit[p as usize][usize::from(back)]
+            })
+            .collect();
+        let shared = &lit;
+        let reached: Vec<(u32, bool)> = dark
+            .par_iter()
+            .copied()
+            .filter(|&(patch, back)| {
+                sides
+                    .seen_from(patch, back, RAYS)
+                    .iter()
+                    .any(|&(p, b)| shared[p as usize][usize::from(b)])
+            })
+            .collect();
+        if reached.is_empty() {
+            return lit;
+        }
+        hits = reached;
+    }
+}
+
+struct Sides<'a> {
+    points: &'a [Vec3],
+    patches: &'a [Patch],
+    occluders: &'a Occluders,
+}
+
+impl Sides<'_> {
+    /// The sides that `rays` cosine-distributed rays from a side of a patch meet.
+    fn seen_from(&self, patch: u32, back: bool, rays: u32) -> Vec<(u32, bool)> {
+        let polygon = Polygon::new(&self.patches[patch as usize].corners(self.points));
+        let normal = polygon.vector_area().normalize_or_zero() * if back { -1.0 } else { 1.0 };
+        let (tangent, bitangent) = normal.any_orthonormal_pair();
+        (0..rays)
+            .filter_map(|ray| {
+                let u = |salt: u32| {
+                    hash::unit(
+                        patch.wrapping_mul(2) + u32::from(back),
+                        ray.wrapping_mul(4) + salt,
+                    )
+                };
+                let from = polygon.point(Vec2::new(0.02 + 0.96 * u(0), 0.02 + 0.96 * u(1)));
+                let (r, phi) = (u(2).sqrt(), TAU * u(3));
+                let height = (1.0 - r * r).sqrt();
+                let direction =
+                    tangent * (r * phi.cos()) + bitangent * (r * phi.sin()) + normal * height;
+                self.occluders.first_hit(from, direction, patch)
+            })
+            .collect()
+    }
+}

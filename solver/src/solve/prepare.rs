@@ -1,0 +1,103 @@
+//! What a solve reads and never changes: normalised scene, patches, lit sides, occluders, lobes.
+
+use crate::brdf::Lobe;
+use crate::config::Settings;
+use crate::hierarchy::patch::{Patch, merge};
+use crate::hierarchy::reach::lit_sides;
+use crate::normalise::Normalised;
+use crate::radiometry::Rgb;
+use crate::scene::{Scene, Triangle};
+use crate::transport::propagate::Environment;
+use crate::transport::visibility::{NO_PATCH, Occluder, Occluders};
+use glam::Vec3;
+use std::time::Instant;
+
+/// A scene made ready for its solve.
+pub struct Prepared {
+    /// Normalised scene.
+    pub frame: Normalised,
+    /// Patches of the surfaces that are not glass.
+    pub patches: Vec<Patch>,
+    /// Which of their sides light can reach.
+    pub lit: Vec<[bool; 2]>,
+    /// All surfaces as occluders.
+    pub occluders: Occluders,
+    /// Clear triangles: corners, material.
+    pub glass: Vec<[Vec3; 3]>,
+    /// Materials of `glass`.
+    pub glass_material: Vec<u32>,
+    /// Glossy lobe per material.
+    pub lobes: Vec<Option<Lobe>>,
+    /// Diffuse reflectance per material.
+    pub diffuse: Vec<Rgb>,
+    /// Time that this took [s].
+    pub seconds: f64,
+}
+
+impl Prepared {
+    /// Makes `scene` ready.
+    pub fn new(scene: &Scene, settings: &Settings) -> Self {
+        let started = Instant::now();
+        let frame = Normalised::new(scene);
+        let is_glass = |t: &&Triangle| frame.materials[t.material as usize].is_glass();
+        let opaque: Vec<Triangle> = scene
+            .triangles()
+            .iter()
+            .filter(|t| !is_glass(t))
+            .copied()
+            .collect();
+        let clear: Vec<Triangle> = scene.triangles().iter().filter(is_glass).copied().collect();
+        let (patches, patch_of) = merge(&frame.points, scene.normals(), &opaque);
+        let corners = |t: &Triangle| t.points.map(|p| frame.points[p as usize]);
+        let mut occluding: Vec<Occluder> = opaque
+            .iter()
+            .zip(&patch_of)
+            .map(|(t, &patch)| Occluder {
+                corners: corners(t),
+                patch,
+                transmission: Rgb::BLACK,
+            })
+            .collect();
+        occluding.extend(clear.iter().map(|t| Occluder {
+            corners: corners(t),
+            patch: NO_PATCH,
+            transmission: frame.materials[t.material as usize].transmission,
+        }));
+        let occluders = Occluders::new(&occluding);
+        let lit = lit_sides(
+            &frame.points,
+            &patches,
+            &frame.materials,
+            &frame.point_lights,
+            &occluders,
+        );
+        let lobes = frame
+            .materials
+            .iter()
+            .map(|m| Lobe::of(m, settings.sharpest_roughness))
+            .collect();
+        let diffuse = frame.materials.iter().map(|m| m.diffuse).collect();
+        Self {
+            glass: clear.iter().map(corners).collect(),
+            glass_material: clear.iter().map(|t| t.material).collect(),
+            frame,
+            patches,
+            lit,
+            occluders,
+            lobes,
+            diffuse,
+            seconds: started.elapsed().as_secs_f64(),
+        }
+    }
+
+    /// What links see of it.
+    pub fn environment(&self) -> Environment<'_> {
+        Environment {
+            occluders: &self.occluders,
+            glass: &self.glass,
+            lobes: &self.lobes,
+            point_lights: &self.frame.point_lights,
+            diffuse: &self.diffuse,
+        }
+    }
+}

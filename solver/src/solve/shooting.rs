@@ -1,0 +1,403 @@
+//! Shooting (§3.4): iteration i moves only light that has been reflected exactly i times.
+//!
+//! New samples are reflected once, then appended to the accumulated ones; distributions live for one iteration. At
+//! the end all accumulated samples are reflected together: that is the exitant light that the export gathers.
+
+use super::{Prepared, Watch};
+use crate::config::Settings;
+use crate::directional::Projector;
+use crate::error::SolveError;
+use crate::geometry::hash;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::radiometry::Rgb;
+use crate::stats::Stats;
+use crate::transport::exitant::Exitant;
+use crate::transport::illumination::SampleSets;
+use crate::transport::propagate::{Accuracy, Gloss, LinkRecord, LinkStats, Propagation};
+use crate::transport::pull::pull;
+use crate::transport::reflect::{ReflectConfig, Reflected, reflect};
+use glam::Vec2;
+use rayon::prelude::*;
+use std::f32::consts::{PI, TAU};
+use std::time::Instant;
+
+/// Transport done: hierarchy, all light that arrives and leaves.
+pub struct Transported {
+    /// Clusters and elements as refined.
+    pub hierarchy: Hierarchy,
+    /// Accumulated samples per node.
+    pub samples: SampleSets,
+    /// All light that leaves, emission and every reflection.
+    pub total: Exitant,
+    /// Irradiance per node; zero for inner nodes.
+    pub irradiance: Vec<Rgb>,
+    /// Area per node.
+    pub leaf_area: Vec<f32>,
+    /// Gloss per cluster.
+    pub cluster_gloss: Vec<Gloss>,
+    /// Counters until now.
+    pub stats: Stats,
+}
+
+/// More reflections than any lossy scene needs before its unshot power is below the default share.
+const MAX_ITERATIONS: u64 = 4096;
+
+/// Runs the iterations. Errors: light that is not finite.
+pub(crate) fn transport(
+    prepared: &Prepared,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) -> Result<Transported, SolveError> {
+    let mut shooting = Shooting::new(prepared, settings);
+    shooting.run(watch, &mut Vec::new(), false)?;
+    Ok(shooting.finish())
+}
+
+/// The state of the iteration; public so that tests can look at every link.
+pub(crate) struct Shooting<'a> {
+    prepared: &'a Prepared,
+    settings: &'a Settings,
+    hierarchy: Hierarchy,
+    accumulated: SampleSets,
+    unshot: Exitant,
+    cluster_gloss: Vec<Gloss>,
+    stats: Stats,
+    links: LinkStats,
+}
+
+impl<'a> Shooting<'a> {
+    fn new(prepared: &'a Prepared, settings: &'a Settings) -> Self {
+        let started = Instant::now();
+        let hierarchy = Hierarchy::new(
+            prepared.frame.points.clone(),
+            prepared.patches.clone(),
+            &prepared.frame.materials,
+            &prepared.lit,
+        );
+        let mut stats = Stats::default();
+        stats.scene.patches = hierarchy.elements.len() as u64;
+        let glossy = |e: &&crate::hierarchy::Element| prepared.lobes[e.material as usize].is_some();
+        stats.scene.glossy_patches = hierarchy.elements.iter().filter(glossy).count() as u64;
+        let mut unshot = Exitant::dark(hierarchy.nodes.len());
+        for element in &hierarchy.elements {
+            emit(prepared, &hierarchy, element.node, &mut unshot);
+        }
+        pull(&hierarchy, &mut unshot, settings.epsilon);
+        let cluster_gloss = gloss_of_clusters(prepared, &hierarchy);
+        stats.solve.phases_s.hierarchy = prepared.seconds + started.elapsed().as_secs_f64();
+        Self {
+            prepared,
+            settings,
+            hierarchy,
+            accumulated: SampleSets::default(),
+            unshot,
+            cluster_gloss,
+            stats,
+            links: LinkStats::default(),
+        }
+    }
+
+    fn run(
+        &mut self,
+        watch: &mut Watch<'_>,
+        records: &mut Vec<LinkRecord>,
+        record: bool,
+    ) -> Result<(), SolveError> {
+        let point_power: f64 = self
+            .prepared
+            .frame
+            .point_lights
+            .iter()
+            .map(|l| f64::from(4.0 * PI * l.1.mean()))
+            .sum();
+        let emitted = f64::from(self.unshot.power.first().copied().unwrap_or(0.0)) + point_power;
+        self.stats.solve.emitted_w = emitted;
+        self.stats.solve.unshot_w = emitted;
+        if emitted <= 0.0 {
+            return Ok(());
+        }
+        let goal = f64::from(self.settings.unshot_share);
+        let environment = self.prepared.environment();
+        for iteration in 0..MAX_ITERATIONS {
+            // Each reflection weakens the light: progress goes with the logarithm of what is unshot.
+            let share = self.stats.solve.unshot_w / emitted;
+            let done = 0.5 * (1.0 - (share / goal).ln() / (1.0 / goal).ln()) as f32;
+            let started = Instant::now();
+            let propagation = Propagation {
+                environment: &environment,
+                exitant: &self.unshot,
+                node_count: self.hierarchy.nodes.len(),
+                cluster_gloss: &self.cluster_gloss,
+                accuracy: Accuracy {
+                    tolerance: self.settings.link_tolerance * emitted as f32,
+                    min_radius: self.settings.min_radius,
+                    strata: self.settings.strata,
+                },
+                with_point_lights: iteration == 0,
+                record,
+            };
+            let mut new = SampleSets::default();
+            let mut report = || watch.report("light transport", done);
+            let links = propagation.run(&mut self.hierarchy, &mut new, records, &mut report);
+            self.links.add(&links);
+            self.stats.solve.illumination_samples += new.len() as u64;
+            self.stats.solve.phases_s.propagate += started.elapsed().as_secs_f64();
+
+            let started = Instant::now();
+            let config = self.reflect_config(emitted);
+            self.unshot = self.reflected(&new, &config, false).0;
+            self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
+            let started = Instant::now();
+            pull(&self.hierarchy, &mut self.unshot, self.settings.epsilon);
+            self.stats.solve.phases_s.pull += started.elapsed().as_secs_f64();
+            let started = Instant::now();
+            self.accumulated.absorb(new);
+            self.stats.solve.phases_s.push += started.elapsed().as_secs_f64();
+
+            self.stats.solve.iterations = iteration + 1;
+            let unshot = f64::from(self.unshot.power[0]);
+            if !unshot.is_finite() {
+                let element = self
+                    .unshot
+                    .power
+                    .iter()
+                    .position(|p| !p.is_finite())
+                    .unwrap_or(0);
+                return Err(SolveError::NotFinite {
+                    iteration: iteration as usize,
+                    element: element as u32,
+                });
+            }
+            self.stats.solve.unshot_w = unshot;
+            self.stats.solve.bytes.distributions = self
+                .stats
+                .solve
+                .bytes
+                .distributions
+                .max(self.unshot.bytes() as u64);
+            if unshot <= goal * emitted || watch.is_stopped() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn reflect_config(&self, emitted: f64) -> ReflectConfig {
+        // The mean radiance of the scene were all its light spread evenly.
+        let mean = emitted as f32 / (PI * self.hierarchy.node(0).area);
+        ReflectConfig {
+            epsilon: self.settings.epsilon,
+            max_level: self.settings.transport_level,
+            floor: 0.3,
+            least: 0.05 * mean,
+            conserve: true,
+        }
+    }
+
+    /// Exitant light of all leaves in answer to `samples`, not pulled yet; irradiance per node and absorbed power.
+    fn reflected(
+        &mut self,
+        samples: &SampleSets,
+        config: &ReflectConfig,
+        emission: bool,
+    ) -> (Exitant, Vec<Rgb>, f64) {
+        let hierarchy = &self.hierarchy;
+        let prepared = self.prepared;
+        let leaves: Vec<NodeId> = hierarchy
+            .elements
+            .iter()
+            .map(|e| e.node)
+            .filter(|&id| hierarchy.is_leaf(id))
+            .collect();
+        let reflected: Vec<Reflected> = leaves
+            .par_iter()
+            .with_max_len(64)
+            .map_init(
+                || (Projector::default(), Vec::new()),
+                |(projector, field), &id| {
+                    field.clear();
+                    samples.field(&hierarchy.nodes, id, field);
+                    if field.is_empty() {
+                        return Reflected::default();
+                    }
+                    let element = &hierarchy.elements[hierarchy.node(id).element as usize];
+                    let material = element.material as usize;
+                    let normal = hierarchy.shading_normal(element);
+                    let lobe = prepared.lobes[material].as_ref();
+                    reflect(
+                        field,
+                        normal,
+                        prepared.diffuse[material],
+                        lobe,
+                        config,
+                        projector,
+                    )
+                },
+            )
+            .collect();
+        let mut exitant = Exitant::dark(hierarchy.nodes.len());
+        let mut irradiance = vec![Rgb::BLACK; hierarchy.nodes.len()];
+        let mut absorbed = 0.0f64;
+        for (&id, reflected) in leaves.iter().zip(reflected) {
+            let area = hierarchy.node(id).area;
+            absorbed +=
+                f64::from((reflected.irradiance - reflected.exitance).mean()) * f64::from(area);
+            irradiance[id as usize] = reflected.irradiance;
+            if emission {
+                emit(prepared, hierarchy, id, &mut exitant);
+            }
+            let at = id as usize;
+            exitant.diffuse[at] += reflected.diffuse;
+            exitant.power[at] += reflected.exitance.mean() * area;
+            exitant.peak[at] = exitant.diffuse[at].mean();
+            if let Some(words) = &reflected.distribution {
+                exitant.peak[at] += crate::directional::packed::peak(words);
+                self.stats.solve.distributions += 1;
+            }
+            exitant.distribution[at] = reflected.distribution;
+            self.stats.solve.basis_functions += reflected.cost.basis_functions;
+            self.stats.solve.brdf_evaluations += reflected.brdf_evaluations;
+        }
+        (exitant, irradiance, absorbed)
+    }
+
+    fn finish(mut self) -> Transported {
+        let started = Instant::now();
+        let config = self.reflect_config(self.stats.solve.emitted_w);
+        let samples = std::mem::take(&mut self.accumulated);
+        let (mut total, irradiance, absorbed) = self.reflected(&samples, &config, true);
+        self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
+        let escaped = self.escaped(&total);
+        pull(&self.hierarchy, &mut total, self.settings.epsilon);
+        let solve = &mut self.stats.solve;
+        solve.absorbed_w = absorbed;
+        // What the last reflection left has not been followed: its part of what would escape is not counted.
+        let followed = 1.0
+            - solve.unshot_w
+                / f64::from(total.power.first().copied().unwrap_or(0.0)).max(solve.unshot_w);
+        solve.escaped_w = if escaped > 0.0 {
+            escaped * followed
+        } else {
+            0.0
+        };
+        solve.elements = self.hierarchy.elements.len() as u64;
+        solve.leaves = self
+            .hierarchy
+            .elements
+            .iter()
+            .filter(|e| self.hierarchy.is_leaf(e.node))
+            .count() as u64;
+        solve.clusters = self.hierarchy.cluster_count() as u64;
+        solve.links = self.links.links;
+        solve.patch_links = self.links.patch_links;
+        solve.rays = self.links.rays;
+        solve.phases_s.visibility =
+            self.links.visibility.as_secs_f64() / rayon::current_num_threads() as f64;
+        solve.bytes.hierarchy = (self.hierarchy.bytes() + self.prepared.occluders.bytes()) as u64;
+        solve.bytes.illumination_samples = samples.bytes() as u64;
+        solve.bytes.distributions = solve.bytes.distributions.max(total.bytes() as u64);
+        for watts in [
+            &mut solve.emitted_w,
+            &mut solve.absorbed_w,
+            &mut solve.unshot_w,
+            &mut solve.escaped_w,
+        ] {
+            *watts = self.prepared.frame.power(*watts) * 3.0;
+        }
+        Transported {
+            leaf_area: self.hierarchy.nodes.iter().map(|n| n.area).collect(),
+            hierarchy: self.hierarchy,
+            samples,
+            total,
+            irradiance,
+            cluster_gloss: self.cluster_gloss,
+            stats: self.stats,
+        }
+    }
+
+    /// Power that leaves the scene [mean over channels], by rays of its own: a few per leaf, cosine-distributed and
+    /// weighted with the leaf's radiance in their direction.
+    fn escaped(&self, exitant: &Exitant) -> f64 {
+        const RAYS: u32 = 16;
+        let of_leaf = |id: NodeId| -> f64 {
+            let element = &self.hierarchy.elements[self.hierarchy.node(id).element as usize];
+            let (tangent, bitangent) = element.normal.any_orthonormal_pair();
+            let (mut escaped, mut sent) = (0.0f64, 0.0f64);
+            for ray in 0..RAYS {
+                let u = |salt: u32| hash::unit(id.wrapping_mul(RAYS) + ray, salt);
+                let from = element.polygon.point(Vec2::new(u(0), u(1)));
+                let r = ((ray as f32 + u(2)) / RAYS as f32).sqrt();
+                let phi = TAU * u(3);
+                let direction = tangent * (r * phi.cos())
+                    + bitangent * (r * phi.sin())
+                    + element.normal * (1.0 - r * r).max(0.0).sqrt();
+                let radiance = exitant.towards(id, direction);
+                sent += f64::from(radiance.mean());
+                let passed = self
+                    .prepared
+                    .occluders
+                    .escape(from, direction, element.patch);
+                escaped += f64::from((radiance * passed).mean());
+            }
+            if sent > 0.0 {
+                escaped / sent * f64::from(exitant.power[id as usize])
+            } else {
+                0.0
+            }
+        };
+        let leaves: Vec<NodeId> = self
+            .hierarchy
+            .elements
+            .iter()
+            .map(|e| e.node)
+            .filter(|&id| self.hierarchy.is_leaf(id) && exitant.peak[id as usize] > 0.0)
+            .collect();
+        let parts: Vec<f64> = leaves
+            .par_iter()
+            .with_max_len(64)
+            .map(|&id| of_leaf(id))
+            .collect();
+        parts.iter().sum()
+    }
+}
+
+/// Adds what the leaf element `id` emits.
+fn emit(prepared: &Prepared, hierarchy: &Hierarchy, id: NodeId, exitant: &mut Exitant) {
+    let element = &hierarchy.elements[hierarchy.node(id).element as usize];
+    let material = &prepared.frame.materials[element.material as usize];
+    if !element.back || material.emits_from_back {
+        let at = id as usize;
+        exitant.diffuse[at] += material.emission;
+        exitant.peak[at] += material.emission.mean();
+        exitant.power[at] += PI * hierarchy.node(id).area * material.emission.mean();
+    }
+}
+
+/// Specular share and sharpest lobe of what lies below each cluster.
+fn gloss_of_clusters(prepared: &Prepared, hierarchy: &Hierarchy) -> Vec<Gloss> {
+    let mut specular_area = vec![0.0f32; hierarchy.nodes.len()];
+    let mut gloss = vec![
+        Gloss {
+            share: 0.0,
+            width: PI
+        };
+        hierarchy.nodes.len()
+    ];
+    for id in crate::transport::pull::bottom_up(hierarchy) {
+        let at = id as usize;
+        if let Some(element) = hierarchy.element_of(id) {
+            let lobe = prepared.lobes[element.material as usize].as_ref();
+            gloss[at] = Gloss::of(lobe, prepared.diffuse[element.material as usize]);
+            specular_area[at] = gloss[at].share * hierarchy.node(id).reflecting_area;
+        } else {
+            for child in hierarchy.children(id) {
+                specular_area[at] += specular_area[child as usize];
+                if gloss[child as usize].share > 0.0 {
+                    gloss[at].width = gloss[at].width.min(gloss[child as usize].width);
+                }
+            }
+            gloss[at].share = specular_area[at] / hierarchy.node(id).reflecting_area;
+        }
+    }
+    gloss
+}

@@ -1,0 +1,93 @@
+//! Illumination samples (§3.2): where light comes from and the normal irradiance it carries.
+
+use crate::radiometry::Rgb;
+use glam::Vec3;
+
+/// Light from one direction. The cosine at the receiver is not in it: the same sample means the same on a cluster,
+/// an element and a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IlluminationSample {
+    /// Towards the sender, unit.
+    pub direction: Vec3,
+    /// Normal irradiance E⊥ [W·m⁻²].
+    pub irradiance: Rgb,
+}
+
+/// Irradiance of `samples` on a surface with `normal` [W·m⁻²].
+pub fn irradiance<'a>(
+    samples: impl IntoIterator<Item = &'a IlluminationSample>,
+    normal: Vec3,
+) -> Rgb {
+    samples.into_iter().fold(Rgb::BLACK, |sum, sample| {
+        sum + sample.irradiance * sample.direction.dot(normal).max(0.0)
+    })
+}
+
+/// Samples that nodes of the hierarchy received; the field of a leaf is the union along its path to the root.
+#[derive(Clone, Debug, Default)]
+pub struct SampleSets {
+    sets: Vec<Vec<IlluminationSample>>,
+}
+
+impl SampleSets {
+    /// The samples that node `id` itself received.
+    pub fn of(&self, id: u32) -> &[IlluminationSample] {
+        self.sets.get(id as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// Adds samples to node `id`.
+    pub fn extend(&mut self, id: u32, samples: Vec<IlluminationSample>) {
+        if samples.is_empty() {
+            return;
+        }
+        if self.sets.len() <= id as usize {
+            self.sets.resize_with(id as usize + 1, Vec::new);
+        }
+        let set = &mut self.sets[id as usize];
+        if set.is_empty() {
+            *set = samples;
+        } else {
+            set.extend(samples);
+        }
+    }
+
+    /// Moves all samples of `other` into this one: what is new becomes accumulated (§3.4).
+    pub fn absorb(&mut self, other: Self) {
+        for (id, samples) in other.sets.into_iter().enumerate() {
+            self.extend(id as u32, samples);
+        }
+    }
+
+    /// "Push": appends the samples of `id` and its ancestors to `field`.
+    pub fn field(
+        &self,
+        nodes: &[crate::hierarchy::Node],
+        id: u32,
+        field: &mut Vec<IlluminationSample>,
+    ) {
+        let mut at = id;
+        while at != crate::hierarchy::NONE {
+            field.extend_from_slice(self.of(at));
+            at = nodes[at as usize].parent;
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.sets.iter().map(Vec::len).sum()
+    }
+
+    /// True when there is none.
+    pub fn is_empty(&self) -> bool {
+        self.sets.iter().all(Vec::is_empty)
+    }
+
+    /// Bytes that the samples take.
+    pub fn bytes(&self) -> usize {
+        self.sets
+            .iter()
+            .map(|s| s.capacity() * size_of::<IlluminationSample>())
+            .sum::<usize>()
+            + self.sets.capacity() * size_of::<Vec<IlluminationSample>>()
+    }
+}

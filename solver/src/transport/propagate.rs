@@ -1,0 +1,730 @@
+//! Bounded propagation (§3.1): links are refined until their bounds are close, then leave illumination samples.
+//!
+//! Receivers are worked off level by level, all of one level in parallel. A receiver reads the exitant light of the
+//! last iteration and writes only its own samples, so the result does not depend on the number of threads.
+//! Cost: a bound per link visited, rays per link accepted.
+
+use crate::brdf::Lobe;
+use crate::geometry::{Polygon, hash};
+use crate::hierarchy::{Hierarchy, NONE, NodeId};
+use crate::radiometry::Rgb;
+use crate::transport::exitant::Exitant;
+use crate::transport::illumination::{IlluminationSample, SampleSets};
+use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
+use crate::transport::shaft;
+use crate::transport::visibility::Occluders;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What does not change during a solve.
+pub struct Environment<'a> {
+    /// All surfaces.
+    pub occluders: &'a Occluders,
+    /// Clear triangles, for shafts.
+    pub glass: &'a [[Vec3; 3]],
+    /// Glossy lobe per material.
+    pub lobes: &'a [Option<Lobe>],
+    /// Point lights: position, intensity.
+    pub point_lights: &'a [(Vec3, Rgb)],
+    /// Diffuse reflectance per material.
+    pub diffuse: &'a [Rgb],
+}
+
+/// When a link is good enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// Largest (Emax - Emin) · area · reflectance of a link [mean over channels, normalised power].
+    pub tolerance: f32,
+    /// Elements with a smaller radius are not split.
+    pub min_radius: f32,
+    /// Rays along each axis of the stratification of an important link; their square is cast.
+    pub strata: u32,
+}
+
+/// Counters of a propagation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LinkStats {
+    /// Links accepted.
+    pub links: u64,
+    /// Of these, between two elements that are whole patches or parts of them.
+    pub patch_links: u64,
+    /// Rays cast.
+    pub rays: u64,
+    /// Links found visible by an empty shaft.
+    pub clear_shafts: u64,
+    /// Thread time in visibility.
+    pub visibility: Duration,
+}
+
+impl LinkStats {
+    /// Adds another's counts.
+    pub fn add(&mut self, other: &Self) {
+        self.links += other.links;
+        self.patch_links += other.patch_links;
+        self.rays += other.rays;
+        self.clear_shafts += other.clear_shafts;
+        self.visibility += other.visibility;
+    }
+}
+
+/// An accepted link with its bounds, for those who want to check them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkRecord {
+    /// Receiving node.
+    pub receiver: NodeId,
+    /// Sender.
+    pub sender: SenderId,
+    /// Irradiance at any point of the receiver (normal irradiance on clusters) is not less [mean over channels].
+    pub low: f32,
+    /// And not more.
+    pub high: f32,
+}
+
+/// How glossy the surfaces below a receiver are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gloss {
+    /// Specular share of the reflectance.
+    pub share: f32,
+    /// Half-width of the sharpest lobe [rad].
+    pub width: f32,
+}
+
+impl Gloss {
+    /// Of a material.
+    pub fn of(lobe: Option<&Lobe>, diffuse: Rgb) -> Self {
+        lobe.map_or(Self::default(), |lobe| {
+            let specular = lobe.specular.mean();
+            Self {
+                share: specular / (specular + diffuse.mean()),
+                width: lobe.half_width,
+            }
+        })
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    sender: SenderId,
+    /// An empty shaft has been found around this link or one that holds it.
+    visible: bool,
+}
+
+/// The error of a link as a share of... irradiance [W·m⁻²]: how far a sample may be from the truth.
+///
+/// The bounds' width, plus what one direction instead of many costs: on clusters, through the cosine at surfaces
+/// with unknown normals; on glossy surfaces, through the lobe. A sum of lobes a fraction x of their width apart is
+/// smooth to O(x⁴), so senders only need to be small against the lobe.
+fn error(bounds: &Bounds, receiver: &Receiver, sender: &Sender, gloss: Gloss) -> f32 {
+    let mut error = bounds.high - bounds.low;
+    if bounds.distance > 0.0 {
+        if receiver.normal.is_none() {
+            error += bounds.high * (receiver.radius / bounds.distance);
+        }
+        if gloss.share > 0.0 {
+            let in_lobes = 1.0 / (bounds.distance * gloss.width);
+            let (across, seen) = (receiver.radius * in_lobes, sender.radius * in_lobes);
+            let seen = seen * seen;
+            error += bounds.high * gloss.share * (across * across + seen * seen).min(1.0);
+        }
+    }
+    error
+}
+
+/// One propagation: what it reads.
+pub struct Propagation<'a> {
+    /// What does not change.
+    pub environment: &'a Environment<'a>,
+    /// Light that leaves.
+    pub exitant: &'a Exitant,
+    /// Nodes when the exitant light was computed: later ones do not send.
+    pub node_count: usize,
+    /// Gloss per cluster; elements follow from their material.
+    pub cluster_gloss: &'a [Gloss],
+    /// When to accept.
+    pub accuracy: Accuracy,
+    /// Include the point lights (first iteration only).
+    pub with_point_lights: bool,
+    /// Keep a record of every link.
+    pub record: bool,
+}
+
+#[derive(Default)]
+struct Outcome {
+    samples: Vec<IlluminationSample>,
+    refined: Vec<Pending>,
+    records: Vec<LinkRecord>,
+    stats: LinkStats,
+}
+
+/// Senders from this number on are point lights: no scene has as many nodes.
+const POINT_LIGHTS: NodeId = 1 << 31;
+
+/// Receivers that are worked off between two reports.
+const BATCH: usize = 8192;
+
+impl Propagation<'_> {
+    /// Propagates all light; appends to `samples`. `report` is called after each batch and may stop the work.
+    pub fn run(
+        &self,
+        hierarchy: &mut Hierarchy,
+        samples: &mut SampleSets,
+        records: &mut Vec<LinkRecord>,
+        report: &mut dyn FnMut() -> ControlFlow<()>,
+    ) -> LinkStats {
+        let mut stats = LinkStats::default();
+        let lights = if self.with_point_lights {
+            self.environment.point_lights.len() as u32
+        } else {
+            0
+        };
+        let first: Arc<[Pending]> = std::iter::once(0)
+            .chain((0..lights).map(|light| POINT_LIGHTS + light))
+            .map(|sender| Pending {
+                sender: SenderId::whole(sender),
+                visible: false,
+            })
+            .collect();
+        let mut front: Vec<(NodeId, Arc<[Pending]>)> = vec![(0, first)];
+        while !front.is_empty() {
+            let mut next = Vec::new();
+            for batch in front.chunks(BATCH) {
+                let shared = &*hierarchy;
+                let outcomes: Vec<Outcome> = batch
+                    .par_iter()
+                    .with_max_len(64)
+                    .map(|(id, pending)| self.refine(shared, *id, pending))
+                    .collect();
+                for ((id, _), outcome) in batch.iter().zip(outcomes) {
+                    stats.add(&outcome.stats);
+                    samples.extend(*id, outcome.samples);
+                    records.extend(outcome.records);
+                    if outcome.refined.is_empty() {
+                        continue;
+                    }
+                    if hierarchy.is_leaf(*id) {
+                        hierarchy.subdivide(*id);
+                    }
+                    let refined: Arc<[Pending]> = outcome.refined.into();
+                    next.extend(
+                        hierarchy
+                            .children(*id)
+                            .map(|child| (child, Arc::clone(&refined))),
+                    );
+                }
+                if report().is_break() {
+                    return stats;
+                }
+            }
+            front = next;
+        }
+        stats
+    }
+
+    fn gloss(&self, hierarchy: &Hierarchy, id: NodeId) -> Gloss {
+        match hierarchy.element_of(id) {
+            Some(element) => {
+                let material = element.material as usize;
+                Gloss::of(
+                    self.environment.lobes[material].as_ref(),
+                    self.environment.diffuse[material],
+                )
+            }
+            None => self.cluster_gloss[id as usize],
+        }
+    }
+
+    /// Works off all links that reach one receiver; links that need a smaller receiver are returned.
+    fn refine(&self, hierarchy: &Hierarchy, id: NodeId, pending: &[Pending]) -> Outcome {
+        let mut outcome = Outcome::default();
+        let reflecting_area = hierarchy.node(id).reflecting_area;
+        let receiver = Receiver::node(hierarchy, id);
+        let limit = self.accuracy.tolerance / reflecting_area;
+        let gloss = self.gloss(hierarchy, id);
+        let can_split = match hierarchy.element_of(id) {
+            Some(_) => !hierarchy.is_leaf(id) || receiver.radius > self.accuracy.min_radius,
+            None => true,
+        };
+        let mut stack: Vec<Pending> = pending.iter().rev().copied().collect();
+        while let Some(link) = stack.pop() {
+            if let Some(light) = link.sender.node.checked_sub(POINT_LIGHTS) {
+                self.connect_point_light(&receiver, light as usize, limit, can_split, &mut outcome);
+                continue;
+            }
+            if self.exitant.peak[link.sender.node as usize] <= 0.0 {
+                continue;
+            }
+            let sender = Sender::new(hierarchy, link.sender);
+            let bounds = bounds(&receiver, &sender, self.exitant);
+            if bounds.high <= 0.0 {
+                continue;
+            }
+            let same = id == link.sender.node;
+            let good = !same && error(&bounds, &receiver, &sender, gloss) <= limit;
+            let can_refine_sender = sender.can_refine()
+                && (sender.polygon.is_none() || sender.radius > self.accuracy.min_radius * 0.5);
+            if !good && (can_split || can_refine_sender) {
+                // The larger end bounds less; a receiver never splits for a sender much smaller than itself would be.
+                if can_split && (receiver.radius >= sender.radius || !can_refine_sender) {
+                    outcome.refined.push(link);
+                } else {
+                    sender.parts(hierarchy, self.node_count, |part| {
+                        stack.push(Pending {
+                            sender: part,
+                            ..link
+                        })
+                    });
+                }
+                continue;
+            }
+            if same {
+                continue;
+            }
+            match self.connect(
+                hierarchy,
+                id,
+                &receiver,
+                &sender,
+                &bounds,
+                limit,
+                link,
+                &mut outcome,
+            ) {
+                Connection::Sample => {}
+                Connection::Mixed if can_split && receiver.radius >= sender.radius => {
+                    outcome.refined.push(link)
+                }
+                Connection::Mixed => {
+                    sender.parts(hierarchy, self.node_count, |part| {
+                        stack.push(Pending {
+                            sender: part,
+                            ..link
+                        })
+                    });
+                }
+            }
+        }
+        outcome
+    }
+
+    /// Accepts a link: visibility and sample. `Mixed` when rays differ and the link is too strong for that.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one step of `refine`, split out for reading"
+    )]
+    fn connect(
+        &self,
+        hierarchy: &Hierarchy,
+        id: NodeId,
+        receiver: &Receiver,
+        sender: &Sender,
+        bounds: &Bounds,
+        limit: f32,
+        link: Pending,
+        outcome: &mut Outcome,
+    ) -> Connection {
+        let started = Instant::now();
+        let mut visible = link.visible;
+        if !visible && sender.polygon.is_some() && receiver.polygon.is_some() && bounds.high > limit
+        {
+            let (a, b) = (hierarchy.node(id), hierarchy.node(sender.id.node));
+            visible = shaft::is_clear(
+                hierarchy,
+                self.environment.glass,
+                a,
+                b,
+                [receiver.patch, sender.patch],
+            );
+            outcome.stats.clear_shafts += u64::from(visible);
+        }
+        let transmittance = if visible {
+            Rgb::WHITE
+        } else {
+            let strong = bounds.high > limit;
+            let strata = if strong { self.accuracy.strata } else { 2 };
+            let cast = Rays {
+                propagation: self,
+                hierarchy,
+                receiver_node: id,
+                receiver,
+                sender,
+            };
+            let (mean, mixed) = cast.strata(strata, &mut outcome.stats);
+            let refinable = sender.can_refine() && sender.radius > self.accuracy.min_radius
+                || receiver.polygon.is_none()
+                || receiver.radius > self.accuracy.min_radius;
+            if mixed && refinable && bounds.high > 4.0 * limit {
+                outcome.stats.visibility += started.elapsed();
+                return Connection::Mixed;
+            }
+            mean
+        };
+        outcome.stats.visibility += started.elapsed();
+        outcome.stats.links += 1;
+        outcome.stats.patch_links +=
+            u64::from(sender.polygon.is_some() && receiver.polygon.is_some());
+        if self.record {
+            let low = if visible { bounds.low } else { 0.0 };
+            outcome.records.push(LinkRecord {
+                receiver: id,
+                sender: link.sender,
+                low,
+                high: bounds.high,
+            });
+        }
+        if !transmittance.is_black()
+            && let Some(sample) = unoccluded_sample(receiver, sender, self.exitant)
+        {
+            outcome.samples.push(IlluminationSample {
+                irradiance: sample.irradiance * transmittance,
+                ..sample
+            });
+        }
+        Connection::Sample
+    }
+
+    /// The link from a point light: E⊥ = I/d², split while distance or visibility vary over the receiver.
+    fn connect_point_light(
+        &self,
+        receiver: &Receiver,
+        light: usize,
+        limit: f32,
+        can_split: bool,
+        outcome: &mut Outcome,
+    ) {
+        let (position, intensity) = self.environment.point_lights[light];
+        let offset = position - receiver.centre;
+        let distance = offset.length();
+        if let Some(normal) = receiver.normal
+            && offset.dot(normal) <= 0.0
+        {
+            return;
+        }
+        let near = (distance - receiver.radius).max(0.0);
+        let high = intensity.mean() / (near * near);
+        let low = intensity.mean() / (distance + receiver.radius).powi(2);
+        let turned = high * (receiver.radius / distance);
+        let link = Pending {
+            sender: SenderId::whole(POINT_LIGHTS + light as u32),
+            visible: false,
+        };
+        if !(high - low + turned <= limit) && can_split {
+            return outcome.refined.push(link);
+        }
+        if distance == 0.0 {
+            return;
+        }
+        let side = self.accuracy.strata;
+        let (mut sum, mut least, mut most) = (Rgb::BLACK, f32::INFINITY, 0.0f32);
+        for ray in 0..side * side {
+            let (x, y) = ((ray % side) as f32 + 0.5, (ray / side) as f32 + 0.5);
+            let from = match &receiver.polygon {
+                Some(polygon) => polygon.point(Vec2::new(x, y) / side as f32),
+                None => receiver.centre,
+            };
+            let passed =
+                self.environment
+                    .occluders
+                    .transmittance(from, position, [receiver.patch, NONE]);
+            sum += passed;
+            least = least.min(passed.mean());
+            most = most.max(passed.mean());
+            outcome.stats.rays += 1;
+        }
+        if most > least && can_split && high > limit {
+            return outcome.refined.push(link);
+        }
+        outcome.stats.links += 1;
+        let irradiance = intensity * sum / (side * side) as f32 / (distance * distance);
+        if !irradiance.is_black() {
+            outcome.samples.push(IlluminationSample {
+                direction: offset / distance,
+                irradiance,
+            });
+        }
+    }
+
+    /// All light that reaches a vertex, from the accuracy `limit` [W·m⁻², mean over channels]: the same bounds, with
+    /// senders refined only. `start`: where the search begins, normally the root alone.
+    pub fn gather(
+        &self,
+        hierarchy: &Hierarchy,
+        receiver: &Receiver,
+        gloss: Gloss,
+        limit: f32,
+        samples: &mut Vec<IlluminationSample>,
+    ) -> LinkStats {
+        let mut stats = LinkStats::default();
+        let mut stack = vec![SenderId::whole(0)];
+        while let Some(id) = stack.pop() {
+            if self.exitant.peak[id.node as usize] <= 0.0 {
+                continue;
+            }
+            let sender = Sender::new(hierarchy, id);
+            if sender.patch == receiver.patch && sender.patch != NONE {
+                continue;
+            }
+            let bounds = bounds(receiver, &sender, self.exitant);
+            if bounds.high <= 0.0 {
+                continue;
+            }
+            // A part seen from closer than its own size is split for as long as that changes anything.
+            let can_refine = sender.can_refine();
+            if can_refine && error(&bounds, receiver, &sender, gloss) > limit {
+                sender.parts(hierarchy, self.node_count, |part| stack.push(part));
+                continue;
+            }
+            let Some(sample) = unoccluded_sample(receiver, &sender, self.exitant) else {
+                continue;
+            };
+            let strength = sample.irradiance.mean();
+            let strata = if strength > limit {
+                self.accuracy.strata
+            } else {
+                1
+            };
+            let cast = Rays {
+                propagation: self,
+                hierarchy,
+                receiver_node: NONE,
+                receiver,
+                sender: &sender,
+            };
+            let (transmittance, mixed) = cast.strata(strata, &mut stats);
+            if mixed && can_refine && sender.polygon.is_none() && strength > limit {
+                sender.parts(hierarchy, self.node_count, |part| stack.push(part));
+                continue;
+            }
+            stats.links += 1;
+            if !transmittance.is_black() {
+                samples.push(IlluminationSample {
+                    irradiance: sample.irradiance * transmittance,
+                    ..sample
+                });
+            }
+        }
+        for &(position, intensity) in self.environment.point_lights {
+            if !self.with_point_lights {
+                break;
+            }
+            let offset = position - receiver.centre;
+            let distance_squared = offset.length_squared();
+            if distance_squared > 0.0 && receiver.normal.is_none_or(|n| n.dot(offset) > 0.0) {
+                let passed = self.environment.occluders.transmittance(
+                    receiver.centre,
+                    position,
+                    [receiver.patch, NONE],
+                );
+                stats.rays += 1;
+                if !passed.is_black() {
+                    let irradiance = intensity * passed / distance_squared;
+                    samples.push(IlluminationSample {
+                        direction: offset.normalize(),
+                        irradiance,
+                    });
+                }
+            }
+        }
+        stats
+    }
+}
+
+enum Connection {
+    Sample,
+    Mixed,
+}
+
+/// The sample of a link as if nothing stood between.
+///
+/// Elements send by their exact form factor to a few points of the receiver; clusters by intensity over distance
+/// squared.
+fn unoccluded_sample(
+    receiver: &Receiver,
+    sender: &Sender,
+    exitant: &Exitant,
+) -> Option<IlluminationSample> {
+    let Some(polygon) = sender.polygon else {
+        let offset = sender.centre - receiver.centre;
+        let distance_squared = offset.length_squared();
+        let direction = offset.normalize();
+        let irradiance = exitant.towards(sender.id.node, -direction) / distance_squared;
+        return (!irradiance.is_black()).then_some(IlluminationSample {
+            direction,
+            irradiance,
+        });
+    };
+    let mut sum = Vec3::ZERO;
+    let mut radiance = Rgb::BLACK;
+    let mut weight = 0.0;
+    let mut points = 0;
+    let mut from_point = |point: Vec3| {
+        let vector = polygon.vector_irradiance(point, receiver.normal);
+        points += 1;
+        sum += vector;
+        let strength = receiver.normal.map_or(vector.length(), |n| n.dot(vector));
+        if strength > 0.0 {
+            let towards = (point - sender.centre).normalize_or(sender.normal);
+            radiance += exitant.towards(sender.id.node, towards) * strength;
+            weight += strength;
+        }
+    };
+    match &receiver.polygon {
+        None => from_point(receiver.centre),
+        Some(receiving) => {
+            // Far links see one distance; near ones are averaged over 4, touching ones over 16 points.
+            let closeness =
+                (receiver.radius + sender.radius) / receiver.centre.distance(sender.centre);
+            let quarters = |from_point: &mut dyn FnMut(Vec3), shape: &Polygon| {
+                for child in 0..4 {
+                    from_point(shape.child(child).centre());
+                }
+            };
+            if closeness < 0.25 {
+                from_point(receiving.centre());
+            } else if closeness < 0.6 {
+                quarters(&mut from_point, receiving);
+            } else {
+                for child in 0..4 {
+                    quarters(&mut from_point, &receiving.child(child));
+                }
+            }
+        }
+    }
+    if weight <= 0.0 {
+        return None;
+    }
+    let vector = sum / points as f32;
+    let normal_irradiance = vector.length();
+    let direction = vector / normal_irradiance;
+    let irradiance = radiance / weight * normal_irradiance;
+    (!irradiance.is_black()).then_some(IlluminationSample {
+        direction,
+        irradiance,
+    })
+}
+
+/// Visibility rays of one link, stratified on both ends.
+struct Rays<'a> {
+    propagation: &'a Propagation<'a>,
+    hierarchy: &'a Hierarchy,
+    receiver_node: NodeId,
+    receiver: &'a Receiver,
+    sender: &'a Sender,
+}
+
+impl Rays<'_> {
+    /// Mean transmittance over `side`² rays, and whether they differ.
+    fn strata(&self, side: u32, stats: &mut LinkStats) -> (Rgb, bool) {
+        let seed = hash::mix(self.sender.id.node, self.receiver_node);
+        let (mut sum, mut count) = (Rgb::BLACK, 0u32);
+        let (mut least, mut most) = (f32::INFINITY, 0.0f32);
+        let all = side * side;
+        for ray in 0..all {
+            let at = |i: u32, salt: u32| {
+                let jitter = |axis: u32| {
+                    // One ray goes through the middle; more are spread within their strata.
+                    if all == 1 {
+                        0.5
+                    } else {
+                        0.15 + 0.7 * hash::unit(seed.wrapping_add(ray), salt + axis)
+                    }
+                };
+                Vec2::new(
+                    ((i % side) as f32 + jitter(0)) / side as f32,
+                    ((i / side) as f32 + jitter(1)) / side as f32,
+                )
+            };
+            // A fixed permutation pairs strata of the two ends that are not alike.
+            let to = self.sender_point(at(ray, 10), hash::mix(seed, ray));
+            let from = self.receiver_point(
+                at((ray * 7 + 3) % all, 20),
+                hash::mix(seed, ray ^ 0x5555),
+                to.0,
+            );
+            let passed =
+                self.propagation
+                    .environment
+                    .occluders
+                    .transmittance(from.0, to.0, [from.1, to.1]);
+            stats.rays += 1;
+            sum += passed;
+            count += 1;
+            least = least.min(passed.mean());
+            most = most.max(passed.mean());
+        }
+        (sum / count as f32, most > least)
+    }
+
+    fn sender_point(&self, uv: Vec2, seed: u32) -> (Vec3, u32) {
+        if let Some(polygon) = &self.sender.polygon {
+            return (polygon.point(uv), self.sender.patch);
+        }
+        let exitant = self.propagation.exitant;
+        self.surface_point(self.sender.id.node, seed, self.receiver.centre, |id| {
+            if (id as usize) < exitant.len() {
+                exitant.power[id as usize]
+            } else {
+                0.0
+            }
+        })
+    }
+
+    fn receiver_point(&self, uv: Vec2, seed: u32, towards: Vec3) -> (Vec3, u32) {
+        if self.receiver.radius == 0.0 {
+            return (self.receiver.centre, self.receiver.patch);
+        }
+        if let Some(polygon) = &self.receiver.polygon {
+            return (polygon.point(uv), self.receiver.patch);
+        }
+        self.surface_point(self.receiver_node, seed, towards, |id| {
+            self.hierarchy.node(id).area
+        })
+    }
+
+    /// A point on a surface of a cluster that faces `seen_from`, if a few tries find one; nodes are chosen in
+    /// proportion to `weight`.
+    fn surface_point(
+        &self,
+        cluster: NodeId,
+        seed: u32,
+        seen_from: Vec3,
+        weight: impl Fn(NodeId) -> f32,
+    ) -> (Vec3, u32) {
+        let mut found = (self.hierarchy.node(cluster).centre, NONE);
+        for attempt in 0..6 {
+            let mut id = cluster;
+            let mut salt = attempt * 64;
+            while self.hierarchy.element_of(id).is_none() {
+                let total: f32 = self.hierarchy.children(id).map(&weight).sum();
+                let mut left = hash::unit(seed, salt) * total;
+                salt += 1;
+                let mut chosen = None;
+                for child in self.hierarchy.children(id) {
+                    let w = weight(child);
+                    if w > 0.0 {
+                        chosen = Some(child);
+                        if left < w {
+                            break;
+                        }
+                    }
+                    left -= w;
+                }
+                match chosen {
+                    Some(child) => id = child,
+                    None => return found,
+                }
+            }
+            let Some(element) = self.hierarchy.element_of(id) else {
+                return found;
+            };
+            let uv = Vec2::new(hash::unit(seed, salt + 30), hash::unit(seed, salt + 31));
+            found = (element.polygon.point(uv), element.patch);
+            if (seen_from - found.0).dot(element.normal) > 0.0 {
+                break;
+            }
+        }
+        found
+    }
+}

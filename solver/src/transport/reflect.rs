@@ -1,0 +1,192 @@
+//! Reflection (§3.3): all illumination samples of a place become its exitant light at once.
+//!
+//! The sum is projected, never one reflection after the other (table 1). Samples whose lobe cannot reach a cell are
+//! left out of its evaluations, so their number does not grow as samples × cells.
+
+use crate::brdf::{self, Lobe, Shape};
+use crate::directional::{Projection, ProjectionCost, Projector, Source, octahedron};
+use crate::radiometry::Rgb;
+use crate::transport::illumination::IlluminationSample;
+use glam::Vec3;
+
+/// Samples reflected at one place.
+struct Reflection<'a> {
+    lobe: &'a Lobe,
+    normal: Vec3,
+    incoming: Vec<Incoming>,
+    evaluations: u64,
+}
+
+struct Incoming {
+    wi: Vec3,
+    mirror: Vec3,
+    cosine: f32,
+    /// Irradiance on the surface times specular colour.
+    weight: Rgb,
+}
+
+impl Source for Reflection<'_> {
+    fn eval(&mut self, candidates: &[u32], direction: Vec3) -> Rgb {
+        // Below the surface nothing is reflected; the basis still wants a continuous function at the horizon.
+        let height = direction.dot(self.normal);
+        const GRAZING: f32 = 0.02;
+        let (wo, cos_o) = if height < GRAZING {
+            (
+                (direction + self.normal * (GRAZING - height)).normalize(),
+                GRAZING,
+            )
+        } else {
+            (direction, height)
+        };
+        let mut sum = Rgb::BLACK;
+        for &candidate in candidates {
+            let from = &self.incoming[candidate as usize];
+            let value = brdf::eval_shape(
+                self.lobe.shape(),
+                from.mirror.dot(wo),
+                from.cosine,
+                cos_o,
+                from.wi.dot(wo),
+            );
+            sum += from.weight * value;
+        }
+        self.evaluations += candidates.len() as u64;
+        sum
+    }
+
+    fn narrow(&self, candidates: &[u32], centre: Vec3, level: usize, kept: &mut Vec<u32>) {
+        let angle = self.lobe.cutoff + octahedron::radius(level);
+        if angle >= std::f32::consts::PI {
+            kept.extend_from_slice(candidates);
+            return;
+        }
+        let least = angle.cos();
+        kept.extend(
+            candidates
+                .iter()
+                .filter(|&&c| self.incoming[c as usize].mirror.dot(centre) >= least),
+        );
+    }
+
+    fn candidate_count(&self) -> u32 {
+        self.incoming.len() as u32
+    }
+
+    fn hidden_peak(&self, candidates: &[u32], level: usize) -> f32 {
+        // Corners and centre are closer together than a lobe is wide: nothing can hide.
+        if octahedron::radius(level) < 1.2 * self.lobe.half_width {
+            return 0.0;
+        }
+        let peak = match self.lobe.shape() {
+            Shape::Phong(exponent) => (exponent + 2.0) / std::f32::consts::TAU,
+            Shape::Ward(roughness) => 0.25 / (std::f32::consts::PI * roughness * roughness),
+        };
+        candidates
+            .iter()
+            .map(|&c| self.incoming[c as usize].weight.max_channel())
+            .fold(0.0, f32::max)
+            * peak
+    }
+}
+
+/// Exitant light of a place.
+#[derive(Clone, Debug, Default)]
+pub struct Reflected {
+    /// Irradiance [W·m⁻²].
+    pub irradiance: Rgb,
+    /// Diffusely reflected radiance.
+    pub diffuse: Rgb,
+    /// Packed distribution of glossily reflected radiance.
+    pub distribution: Option<Box<[u32]>>,
+    /// Exitance [W·m⁻²]: diffuse and glossy.
+    pub exitance: Rgb,
+    /// Cost of the projection.
+    pub cost: ProjectionCost,
+    /// BRDF evaluations.
+    pub brdf_evaluations: u64,
+}
+
+/// How to project reflected light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReflectConfig {
+    /// ε of the relative refiner.
+    pub epsilon: f32,
+    /// Deepest level of the basis.
+    pub max_level: u32,
+    /// Radiance that is far too small to matter, as a share of the diffuse radiance.
+    pub floor: f32,
+    /// Radiance anywhere in the scene that such a floor never falls below.
+    pub least: f32,
+    /// Make the projection carry exactly the reflected power.
+    pub conserve: bool,
+}
+
+/// Reflects `samples` at a surface with `normal`, diffuse reflectance `diffuse` and, if glossy, `lobe`.
+/// One BRDF evaluation per sample and direction that it can reach. Source: §3.3, §4.2.
+pub fn reflect(
+    samples: &[IlluminationSample],
+    normal: Vec3,
+    diffuse: Rgb,
+    lobe: Option<&Lobe>,
+    config: &ReflectConfig,
+    projector: &mut Projector,
+) -> Reflected {
+    let mut out = Reflected::default();
+    let mut incoming = Vec::new();
+    let mut glossy_exitance = Rgb::BLACK;
+    for sample in samples {
+        let cosine = sample.direction.dot(normal);
+        if cosine <= 0.0 {
+            continue;
+        }
+        let irradiance = sample.irradiance * cosine;
+        out.irradiance += irradiance;
+        if let Some(lobe) = lobe {
+            let weight = irradiance * lobe.specular;
+            glossy_exitance += weight * lobe.albedo(cosine);
+            let mirror = brdf::reflect(normal, sample.direction);
+            incoming.push(Incoming {
+                wi: sample.direction,
+                mirror,
+                cosine,
+                weight,
+            });
+        }
+    }
+    out.diffuse = out.irradiance * diffuse * std::f32::consts::FRAC_1_PI;
+    out.exitance = out.irradiance * diffuse + glossy_exitance;
+    let Some(lobe) = lobe else { return out };
+    if incoming.is_empty() {
+        return out;
+    }
+    let mean_glossy = glossy_exitance.mean() * std::f32::consts::FRAC_1_PI;
+    let how = Projection {
+        min_level: 1,
+        max_level: config.max_level.min(finest_level(lobe)),
+        epsilon: config.epsilon,
+        floor: (config.floor * (out.diffuse.mean() + mean_glossy)).max(config.least),
+        relative: true,
+        horizon: Some(normal),
+        integral: config.conserve.then_some(glossy_exitance.mean()),
+    };
+    let mut source = Reflection {
+        lobe,
+        normal,
+        incoming,
+        evaluations: 0,
+    };
+    let mut words = Vec::new();
+    out.cost = projector.project(&mut source, &how, &mut words);
+    out.brdf_evaluations = source.evaluations;
+    if out.cost.basis_functions > 0 {
+        out.distribution = Some(words.into_boxed_slice());
+    }
+    out
+}
+
+/// The level whose cells are a third of the lobe's half-width: linear interpolation needs no finer one.
+fn finest_level(lobe: &Lobe) -> u32 {
+    (0..octahedron::MAX_LEVEL)
+        .find(|&level| octahedron::radius(level) < 0.4 * lobe.half_width)
+        .unwrap_or(octahedron::MAX_LEVEL) as u32
+}

@@ -1,0 +1,163 @@
+//! Shafts between two boxes (Haines & Wallace 1991): a link whose shaft holds nothing is visible without a ray.
+
+use crate::hierarchy::{Hierarchy, Node, NodeId};
+use glam::Vec3;
+
+/// The convex hull of two boxes, as the box around both and up to eight planes.
+#[derive(Clone, Debug)]
+pub struct Shaft {
+    lower: Vec3,
+    upper: Vec3,
+    /// Outward normal and offset: outside when normal·p >= offset.
+    planes: [(Vec3, f32); 8],
+    plane_count: usize,
+}
+
+impl Shaft {
+    /// The shaft between two boxes.
+    pub fn new(first: (Vec3, Vec3), second: (Vec3, Vec3)) -> Self {
+        let (a, b) = ([first.0, first.1], [second.0, second.1]);
+        let mut shaft = Self {
+            lower: a[0].min(b[0]),
+            upper: a[1].max(b[1]),
+            planes: [(Vec3::ZERO, 0.0); 8],
+            plane_count: 0,
+        };
+        // Which box bounds the shaft on each of the six sides.
+        let owner = |axis: usize, side: usize| {
+            if side == 0 {
+                usize::from(b[0][axis] < a[0][axis])
+            } else {
+                usize::from(b[1][axis] > a[1][axis])
+            }
+        };
+        for axis1 in 0..3 {
+            for axis2 in axis1 + 1..3 {
+                for sides in 0..4 {
+                    let (s1, s2) = (sides & 1, sides >> 1);
+                    let (o1, o2) = (owner(axis1, s1), owner(axis2, s2));
+                    if o1 == o2 || shaft.plane_count == 8 {
+                        continue;
+                    }
+                    // The plane through the edge (s1, s2) of each box, parallel to the third axis.
+                    let (dx, dy) = (b[s1][axis1] - a[s1][axis1], b[s2][axis2] - a[s2][axis2]);
+                    let mut normal = Vec3::ZERO;
+                    normal[axis1] = dy;
+                    normal[axis2] = -dx;
+                    // Outward: towards the sides that it cuts off.
+                    let outward = |side: usize| if side == 0 { -1.0 } else { 1.0 };
+                    if normal[axis1] * outward(s1) + normal[axis2] * outward(s2) < 0.0 {
+                        normal = -normal;
+                    }
+                    if normal == Vec3::ZERO {
+                        continue;
+                    }
+                    let offset = (normal[axis1] * a[s1][axis1] + normal[axis2] * a[s2][axis2])
+                        .max(normal[axis1] * b[s1][axis1] + normal[axis2] * b[s2][axis2]);
+                    shaft.planes[shaft.plane_count] = (normal, offset);
+                    shaft.plane_count += 1;
+                }
+            }
+        }
+        shaft
+    }
+
+    /// True when the box lies outside; touching from outside counts as outside.
+    fn excludes_box(&self, lower: Vec3, upper: Vec3) -> bool {
+        // A flat box may lie in a face of a flat shaft: only then does touching count as inside.
+        let apart = |low: f32, high: f32, from: f32, to: f32| {
+            if from == to {
+                high < from || low > to
+            } else {
+                high <= from || low >= to
+            }
+        };
+        if (0..3).any(|i| apart(lower[i], upper[i], self.lower[i], self.upper[i])) {
+            return true;
+        }
+        self.planes[..self.plane_count]
+            .iter()
+            .any(|&(normal, offset)| {
+                let nearest = Vec3::select(normal.cmpge(Vec3::ZERO), lower, upper);
+                normal.dot(nearest) >= offset
+            })
+    }
+
+    fn excludes_corners(&self, corners: &[Vec3]) -> bool {
+        self.planes[..self.plane_count]
+            .iter()
+            .any(|&(normal, offset)| corners.iter().all(|&c| normal.dot(c) >= offset))
+    }
+}
+
+/// True when nothing but the patches `ends` reaches into the shaft between two element nodes. Proven up to the
+/// rounding of the plane tests; glass counts as an occluder, because it tints.
+pub fn is_clear(
+    hierarchy: &Hierarchy,
+    glass: &[[Vec3; 3]],
+    receiver: &Node,
+    sender: &Node,
+    ends: [u32; 2],
+) -> bool {
+    let shaft = Shaft::new(
+        (receiver.lower, receiver.upper),
+        (sender.lower, sender.upper),
+    );
+    if glass.iter().any(|corners| {
+        let (low, high) = (
+            corners[0].min(corners[1]).min(corners[2]),
+            corners[0].max(corners[1]).max(corners[2]),
+        );
+        !shaft.excludes_box(low, high) && !shaft.excludes_corners(corners)
+    }) {
+        return false;
+    }
+    let mut pending: Vec<NodeId> = vec![0];
+    while let Some(id) = pending.pop() {
+        let node = hierarchy.node(id);
+        if shaft.excludes_box(node.lower, node.upper) {
+            continue;
+        }
+        match hierarchy.element_of(id) {
+            // Patches are tested whole: their elements hold nothing new.
+            Some(element) => {
+                if !ends.contains(&element.patch)
+                    && !shaft.excludes_corners(element.polygon.corners())
+                {
+                    return false;
+                }
+            }
+            None => pending.extend(hierarchy.children(id)),
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::hash::unit;
+
+    #[test]
+    fn no_segment_between_the_boxes_leaves_the_shaft() {
+        for case in 0..200 {
+            let u = |i: u32| unit(case, i);
+            let corner = |i: u32| Vec3::new(u(i), u(i + 1), u(i + 2));
+            let (a, b) = (corner(0), corner(3));
+            let first = (a, a + corner(6) * 0.2);
+            let second = (b, b + corner(9) * 0.3);
+            let shaft = Shaft::new(first, second);
+            for i in 0..50 {
+                let v = |k: u32| Vec3::new(unit(i, k), unit(i, k + 1), unit(i, k + 2));
+                let p = first.0 + (first.1 - first.0) * v(100);
+                let q = second.0 + (second.1 - second.0) * v(200);
+                let at = p.lerp(q, unit(i, 300));
+                let slack = Vec3::splat(1e-6);
+                assert!(
+                    !shaft.excludes_box(at - slack, at + slack),
+                    "case {case}: {at}"
+                );
+            }
+        }
+    }
+}
