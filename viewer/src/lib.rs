@@ -1,1 +1,13 @@
-//! Render paths and command line of sheen.
+//! Render paths, image comparison and command line of sheen.
+//!
+//! The binary `sheen` only calls [`cli::run`]; everything else is here so that tests reach it.
+
+pub mod app;
+pub mod camera;
+pub mod cli;
+pub mod compare;
+pub mod gpu;
+pub mod panels;
+pub mod passes;
+pub mod tonemap;
+pub mod ways;

@@ -1,2 +1,5 @@
 //! The program sheen.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    sheen_viewer::cli::run()
+}

@@ -1,0 +1,81 @@
+// Packed directional distributions: the twin of `packed::evaluate` and `octahedron` in sheen-solver.
+// Needs a global `words: array<u32>`.
+
+const LEAF: u32 = 0x80000000u;
+// Deepest subdivision that a distribution may have (`packed::MAX_DEPTH`).
+const MAX_DEPTH: u32 = 16u;
+
+fn decode_rgb9e5(word: u32) -> vec3<f32> {
+    // Exponent bias 15, mantissa of 9 bits: one step is 2^(e - 24).
+    let step = bitcast<f32>(((word >> 27u) + 103u) << 23u);
+    return vec3<f32>(f32(word & 511u), f32((word >> 9u) & 511u), f32((word >> 18u) & 511u)) * step;
+}
+
+// True when `direction` lies on `corner`'s side of the great circle through `m` and `n`.
+fn is_beyond(m: vec3<f32>, n: vec3<f32>, corner: vec3<f32>, direction: vec3<f32>) -> bool {
+    let normal = cross(m, n);
+    let side = dot(normal, direction);
+    return select(side, -side, dot(normal, corner) < 0.0) > 0.0;
+}
+
+fn barycentric(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
+    var weights = vec3<f32>(
+        dot(direction, cross(b, c)),
+        dot(direction, cross(c, a)),
+        dot(direction, cross(a, b)),
+    );
+    weights = select(weights, -weights, dot(a, cross(b, c)) < 0.0);
+    weights = max(weights, vec3<f32>(0.0));
+    let sum = weights.x + weights.y + weights.z;
+    if sum > 0.0 {
+        return weights / sum;
+    }
+    return vec3<f32>(1.0 / 3.0);
+}
+
+// Radiance of the distribution that starts at `words[start]`, towards `direction` (unit, leaving the surface).
+fn evaluate_distribution(start: u32, direction: vec3<f32>) -> vec3<f32> {
+    let scale = bitcast<f32>(words[start]);
+    let negative = direction < vec3<f32>(0.0);
+    let octant = select(0u, 1u, negative.x) | select(0u, 2u, negative.y) | select(0u, 4u, negative.z);
+    var node = words[start + 1u + octant];
+    var a = vec3<f32>(select(1.0, -1.0, negative.x), 0.0, 0.0);
+    var b = vec3<f32>(0.0, select(1.0, -1.0, negative.y), 0.0);
+    var c = vec3<f32>(0.0, 0.0, select(1.0, -1.0, negative.z));
+    for (var depth = 0u; depth <= MAX_DEPTH; depth++) {
+        if node == 0u {
+            break;
+        }
+        let position = start + (node & ~LEAF);
+        if (node & LEAF) != 0u {
+            let weights = barycentric(a, b, c, direction);
+            let colour = decode_rgb9e5(words[position]) * weights.x
+                + decode_rgb9e5(words[position + 1u]) * weights.y
+                + decode_rgb9e5(words[position + 2u]) * weights.z;
+            return colour * scale;
+        }
+        let m12 = normalize(b + c);
+        let m20 = normalize(c + a);
+        let m01 = normalize(a + b);
+        var child = 3u;
+        if is_beyond(m01, m20, a, direction) {
+            child = 0u;
+            b = m01;
+            c = m20;
+        } else if is_beyond(m01, m12, b, direction) {
+            child = 1u;
+            a = m01;
+            c = m12;
+        } else if is_beyond(m20, m12, c, direction) {
+            child = 2u;
+            a = m20;
+            b = m12;
+        } else {
+            a = m12;
+            b = m20;
+            c = m01;
+        }
+        node = words[position + child];
+    }
+    return vec3<f32>(0.0);
+}

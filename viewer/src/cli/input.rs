@@ -1,0 +1,125 @@
+//! Scenes and solutions from files; scenes are solved where a solution is wanted.
+
+use super::{note, process, progress, values};
+use anyhow::Context;
+use sheen_formats::{LoadOptions, Loaded};
+use sheen_solver::{Camera, Quality, Solution, SolveConfig};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Settings of a solve, shared by every subcommand that may have to solve.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct SolveArgs {
+    /// draft, preview, default, high, or a number within 0..4
+    #[arg(long, default_value = "default", value_name = "QUALITY")]
+    quality: Quality,
+    /// Stop refining after this time and keep what is there: 60s, 1.5m, 1h
+    #[arg(long, value_parser = values::seconds, value_name = "TIME")]
+    time_limit: Option<f64>,
+    /// Deepest subdivision of directional distributions [default: follows from quality and gloss]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=7), value_name = "1..7")]
+    levels: Option<u32>,
+    /// Threads [default: all of the machine]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), value_name = "N")]
+    threads: Option<u16>,
+    /// Repair faults of the scene that can be repaired, and say so, instead of refusing it
+    #[arg(long)]
+    lenient: bool,
+}
+
+impl SolveArgs {
+    fn config(&self) -> SolveConfig {
+        SolveConfig {
+            quality: self.quality,
+            time_limit_s: self.time_limit,
+            max_level: self.levels,
+            threads: self.threads.map(usize::from),
+        }
+    }
+}
+
+/// True for the file name of a solution.
+pub(super) fn is_solution(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("sheen"))
+}
+
+/// Reads a scene; its notes go to stderr.
+pub(super) fn load_scene(path: &Path, lenient: bool) -> anyhow::Result<Loaded> {
+    let loaded = sheen_formats::load_scene(path, &LoadOptions { lenient })?;
+    for text in &loaded.notes {
+        note(&format!("note: {text}"));
+    }
+    Ok(loaded)
+}
+
+/// Reads a scene and solves it.
+pub(super) fn solve_scene(path: &Path, args: &SolveArgs) -> anyhow::Result<Solution> {
+    progress::catch_interrupts();
+    let started = Instant::now();
+    let scene = load_scene(path, args.lenient)?.scene;
+    let load_s = started.elapsed().as_secs_f64();
+    let cpu_before = process::cpu_seconds();
+    let mut observer = progress::TerminalObserver::new();
+    let solved = sheen_solver::solve(&scene, &args.config(), &mut observer);
+    observer.finish();
+    let mut solution = solved.with_context(|| path.display().to_string())?;
+    if progress::is_interrupted() {
+        note("interrupted: keeping what has been solved so far");
+    }
+    let stats = &mut solution.stats.solve;
+    stats.phases_s.load = load_s;
+    if let (Some(before), Some(after)) = (cpu_before, process::cpu_seconds()) {
+        stats.cpu_s = after - before;
+    }
+    if let Some(bytes) = process::peak_rss_bytes() {
+        stats.peak_rss_bytes = bytes;
+    }
+    Ok(solution)
+}
+
+/// Reads a solution, or a scene that is then solved.
+pub(super) fn solution(path: &Path, args: &SolveArgs) -> anyhow::Result<Solution> {
+    if is_solution(path) { Ok(sheen_formats::solution::read(path)?) } else { solve_scene(path, args) }
+}
+
+/// The camera of this name; the first one without a name.
+pub(super) fn camera(cameras: &[Camera], name: Option<&str>) -> anyhow::Result<Camera> {
+    let Some(name) = name else {
+        return cameras.first().cloned().context("the solution holds no camera: expected at least one");
+    };
+    cameras.iter().find(|camera| camera.name == name).cloned().with_context(|| {
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        format!("no camera is called '{name}', expected one of: {}", names.join(", "))
+    })
+}
+
+/// Checks, before anything costly is done, that `path` can be written.
+pub(super) fn check_output(path: &Path) -> anyhow::Result<()> {
+    let name = path.file_name().with_context(|| format!("{}: is no file name", path.display()))?;
+    anyhow::ensure!(!path.is_dir(), "{}: is a folder, expected a file name", path.display());
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    anyhow::ensure!(folder.is_dir(), "{}: no such folder, expected an existing one for the output", folder.display());
+    let mut probe_name = std::ffi::OsString::from(".");
+    probe_name.push(name);
+    probe_name.push(format!(".{}.probe", std::process::id()));
+    let probe = folder.join(probe_name);
+    let opened = std::fs::OpenOptions::new().write(true).create_new(true).open(&probe);
+    opened.with_context(|| format!("{}: cannot be written to", folder.display()))?;
+    std::fs::remove_file(&probe).with_context(|| format!("{}", probe.display()))
+}
+
+/// Writes a small text file whole or not at all.
+pub(super) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
+    let mut temporary = path.as_os_str().to_owned();
+    temporary.push(format!(".{}.part", std::process::id()));
+    let temporary = PathBuf::from(temporary);
+    let written = std::fs::write(&temporary, text).and_then(|()| std::fs::rename(&temporary, path));
+    if written.is_err() {
+        // Best effort: the error below is the one that counts.
+        let _ = std::fs::remove_file(&temporary);
+    }
+    written.with_context(|| path.display().to_string())
+}

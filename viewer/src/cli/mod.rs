@@ -1,0 +1,83 @@
+//! The command line: one subcommand a file, as typed → as used → run.
+//!
+//! Results go to stdout, progress and notes to stderr. Exit status 0, 1 (input) or 2 (usage).
+
+mod compare;
+mod info;
+mod input;
+mod process;
+mod progress;
+mod render;
+mod solve;
+mod values;
+mod walk;
+
+use clap::{Parser, Subcommand};
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Precomputed directional global illumination that one can walk through.
+#[derive(Debug, Parser)]
+#[command(name = "sheen", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Solve a scene and write the solution.
+    Solve(solve::Args),
+    /// Render a picture of a solution, or of a scene that is solved first.
+    Render(render::Args),
+    /// Walk through a solution, or through a scene that is solved first.
+    Walk(walk::Args),
+    /// Say what a scene or a solution holds.
+    Info(info::Args),
+    /// Compare an image with a reference.
+    Compare(compare::Args),
+}
+
+/// Parses the command line, does what it says, and reports failures as one line on stderr.
+pub fn run() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Solve(args) => solve::run(&args),
+        Command::Render(args) => render::run(&args),
+        Command::Walk(args) => walk::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Compare(args) => compare::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let text = format!("{error:#}");
+            note(&text.split_whitespace().collect::<Vec<_>>().join(" "));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// A line for the person at the terminal.
+fn note(text: &str) {
+    // Nobody reads stderr any more: nothing to be done about it.
+    let _ = writeln!(std::io::stderr().lock(), "sheen: {text}");
+}
+
+/// Results to stdout. A reader that has gone away, as `head` does, is no error.
+fn print(text: &str) -> anyhow::Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

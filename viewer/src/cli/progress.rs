@@ -1,0 +1,87 @@
+//! Progress of a solve on the terminal, and Ctrl-C.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sheen_solver::{Observer, Progress};
+use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+/// Resolution of the bar.
+const STEPS: u64 = 1000;
+/// Without a terminal, a line at most this often.
+const LINE_INTERVAL: Duration = Duration::from_secs(5);
+/// Exit status after a second Ctrl-C: 128 + SIGINT.
+const INTERRUPTED: i32 = 130;
+
+static INTERRUPTS: AtomicU32 = AtomicU32::new(0);
+
+/// From now on the first Ctrl-C ends a solve early and keeps what it has; the second ends the process.
+pub(super) fn catch_interrupts() {
+    // A handler that cannot be set leaves Ctrl-C as it was: it ends the process.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTS.fetch_add(1, Ordering::Relaxed) > 0 {
+            std::process::exit(INTERRUPTED);
+        }
+    });
+}
+
+/// True after a Ctrl-C.
+pub(super) fn is_interrupted() -> bool {
+    INTERRUPTS.load(Ordering::Relaxed) > 0
+}
+
+/// Shows a bar, or a line now and then where stderr is no terminal.
+pub(super) struct TerminalObserver {
+    bar: Option<ProgressBar>,
+    started: Instant,
+    last_line: Instant,
+    phase: &'static str,
+}
+
+impl TerminalObserver {
+    pub(super) fn new() -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
+            if let Ok(style) = ProgressStyle::with_template("{msg:14} [{bar:40}] {percent:>3} %  {prefix}") {
+                bar.set_style(style.progress_chars("=> "));
+            }
+            bar
+        });
+        Self { bar, started: Instant::now(), last_line: Instant::now(), phase: "" }
+    }
+
+    pub(super) fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Elapsed and estimated time, from the part done.
+    fn clock(&self, done: f32) -> String {
+        let elapsed = self.started.elapsed().as_secs_f64();
+        let done = f64::from(done.clamp(0.0, 1.0));
+        // An estimate from the first per cent would only mislead.
+        if done > 0.01 {
+            format!("{elapsed:.0} s, {:.0} s left", elapsed / done - elapsed)
+        } else {
+            format!("{elapsed:.0} s")
+        }
+    }
+}
+
+impl Observer for TerminalObserver {
+    fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
+        if let Some(bar) = &self.bar {
+            bar.set_message(progress.phase);
+            bar.set_prefix(self.clock(progress.done));
+            bar.set_position((f64::from(progress.done.clamp(0.0, 1.0)) * STEPS as f64) as u64);
+        } else if self.last_line.elapsed() >= LINE_INTERVAL {
+            let percent = progress.done.clamp(0.0, 1.0) * 100.0;
+            super::note(&format!("{}: {percent:.0} %, {}", progress.phase, self.clock(progress.done)));
+            self.last_line = Instant::now();
+        }
+        self.phase = progress.phase;
+        if is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

@@ -1,0 +1,121 @@
+//! `sheen render SCENE|SOLUTION -o I.exr|png`
+
+use super::{input, note, values};
+use crate::camera::View;
+use crate::{tonemap, ways};
+use anyhow::Context;
+use glam::Vec3;
+use sheen_solver::{Camera, Solution};
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Solution (.sheen), or a scene (.obj, .mgf) that is solved first
+    input: PathBuf,
+    /// Image to write: .exr holds linear radiance, .png is tone-mapped
+    #[arg(short, long, value_parser = output, value_name = "I.exr|I.png")]
+    output: Output,
+    /// How the image is made
+    #[arg(long, value_enum, default_value = "solution")]
+    way: Way,
+    /// Camera of the scene [default: its first]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "target", "up", "fov_y"])]
+    camera: Option<String>,
+    /// Where the eye is [m]
+    #[arg(long, value_parser = values::vector, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "target")]
+    eye: Option<Vec3>,
+    /// What it looks at [m]
+    #[arg(long, value_parser = values::vector, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye")]
+    target: Option<Vec3>,
+    /// What is up [default: as the scene's first camera]
+    #[arg(long, value_parser = values::vector, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye")]
+    up: Option<Vec3>,
+    /// Vertical field of view, degrees [default: as the scene's first camera]
+    #[arg(long, value_parser = values::positive, value_name = "DEGREES", requires = "eye")]
+    fov_y: Option<f64>,
+    /// Pixels [default: as the camera]
+    #[arg(long, value_parser = values::size, value_name = "WxH")]
+    size: Option<(u32, u32)>,
+    /// Samples per pixel, rounded up to a square
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1024), value_name = "N")]
+    spp: u32,
+    /// Factor before display encoding (PNG) [default: .8 over the 95th percentile of luminance]
+    #[arg(long, value_parser = values::positive, value_name = "FACTOR")]
+    exposure: Option<f64>,
+    /// Use no graphics device
+    #[arg(long)]
+    cpu: bool,
+    #[command(flatten)]
+    solve: input::SolveArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Way {
+    /// The precomputed solution
+    Solution,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Output {
+    Exr(PathBuf),
+    Png(PathBuf),
+}
+
+impl Output {
+    fn path(&self) -> &PathBuf {
+        let (Self::Exr(path) | Self::Png(path)) = self;
+        path
+    }
+}
+
+fn output(text: &str) -> Result<Output, String> {
+    let path = PathBuf::from(text);
+    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("exr") => Ok(Output::Exr(path)),
+        Some("png") => Ok(Output::Png(path)),
+        _ => Err("expected a file name that ends in .exr or .png".to_owned()),
+    }
+}
+
+fn camera(args: &Args, solution: &Solution) -> anyhow::Result<Camera> {
+    let mut camera = input::camera(&solution.cameras, args.camera.as_deref())?;
+    if let (Some(eye), Some(target)) = (args.eye, args.target) {
+        camera.name = "command line".to_owned();
+        (camera.eye, camera.target) = (eye, target);
+        camera.up = args.up.unwrap_or(camera.up);
+        camera.fov_y_degrees = args.fov_y.map_or(camera.fov_y_degrees, |degrees| degrees as f32);
+    }
+    if let Some((width, height)) = args.size {
+        (camera.width, camera.height) = (width, height);
+    }
+    Ok(camera)
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let Way::Solution = args.way;
+    input::check_output(args.output.path())?;
+    let solution = input::solution(&args.input, &args.solve).map(Box::new)?;
+    let camera = camera(args, &solution)?;
+    let view = View::new(&camera, solution.bounds()).with_context(|| args.input.display().to_string())?;
+    let rendered = ways::render(&solution, &view, ways::samples_across(args.spp), args.cpu);
+    if let Some(reason) = &rendered.fallback {
+        note(&format!("{reason}; rendering on the processor instead"));
+    }
+    let image = &rendered.image;
+    match &args.output {
+        Output::Exr(path) => sheen_formats::image::write_exr(path, image)?,
+        Output::Png(path) => {
+            let exposure = args.exposure.unwrap_or_else(|| tonemap::default_exposure(&image.pixels));
+            let bytes = tonemap::display_bytes(&image.pixels, exposure);
+            sheen_formats::image::write_png(path, &bytes, image.width, image.height)?;
+        }
+    }
+    super::print(&format!(
+        "{}: {}x{}, camera '{}', on {}\n",
+        args.output.path().display(),
+        image.width,
+        image.height,
+        camera.name,
+        rendered.device
+    ))
+}

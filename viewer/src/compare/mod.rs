@@ -1,0 +1,7 @@
+//! How far an image is from its reference: figures, and a map of where.
+
+pub mod flip;
+pub mod heatmap;
+pub mod metrics;
+
+pub use metrics::{Comparison, CompareError, compare};

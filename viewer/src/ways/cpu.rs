@@ -1,0 +1,139 @@
+//! The plain twin of `ways::solution`: the same image by rays, for machines without any graphics adapter.
+
+use crate::camera::View;
+use glam::{DVec3, Vec3, Vec3A};
+use obvhs::ray::{Ray, RayHit};
+use obvhs::{BvhBuildParams, cwbvh::CwBvh, cwbvh::builder::build_cwbvh_from_tris, triangle::Triangle};
+use rayon::prelude::*;
+use sheen_formats::image::Image;
+use sheen_solver::{Rgb, Solution};
+use std::time::Duration;
+
+/// Triangles in a tree.
+struct Surfaces {
+    corners: Vec<[Vec3; 3]>,
+    tree: Option<CwBvh>,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy)]
+struct Crossing {
+    distance: f64,
+    weights: [f64; 3],
+    is_front: bool,
+}
+
+/// Meets the triangle with `corners` relative to the ray's origin. Rays from one eye see no crack between triangles
+/// that share an edge: the sign for an edge is the same number, negated, on both of its sides.
+fn cross(corners: [DVec3; 3], direction: DVec3) -> Option<Crossing> {
+    let [a, b, c] = corners;
+    let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|normal| normal.dot(direction));
+    let is_front = volumes.iter().all(|&v| v <= 0.0);
+    if !is_front && !volumes.iter().all(|&v| v >= 0.0) {
+        return None;
+    }
+    let sum: f64 = volumes.iter().sum();
+    let distance = a.dot(b.cross(c)) / sum;
+    let is_ahead = sum != 0.0 && distance > 0.0;
+    is_ahead.then(|| Crossing { distance, weights: volumes.map(|v| v / sum), is_front })
+}
+
+impl Surfaces {
+    fn new(corners: Vec<[Vec3; 3]>) -> Self {
+        let triangles: Vec<Triangle> = corners
+            .iter()
+            .map(|&[a, b, c]| Triangle { v0: Vec3A::from(a), v1: Vec3A::from(b), v2: Vec3A::from(c) })
+            .collect();
+        let tree = (!triangles.is_empty())
+            .then(|| build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default()));
+        Self { corners, tree }
+    }
+
+    fn crossing(&self, index: usize, eye: Vec3, direction: DVec3) -> Option<Crossing> {
+        let relative = self.corners[index].map(|corner| corner.as_dvec3() - eye.as_dvec3());
+        cross(relative, direction)
+    }
+
+    /// The nearest front face.
+    fn nearest(&self, eye: Vec3, direction: DVec3, near: f64) -> Option<(usize, Crossing)> {
+        let tree = self.tree.as_ref()?;
+        let mut best: Option<(usize, Crossing)> = None;
+        let ray = Ray::new(eye.into(), direction.as_vec3a(), 0.0, f32::INFINITY);
+        tree.ray_traverse(ray, &mut RayHit::none(), |ray, slot| {
+            let index = tree.primitive_indices[slot] as usize;
+            match self.crossing(index, eye, direction) {
+                Some(found) if found.is_front && found.distance >= near => {
+                    if best.is_none_or(|(_, old)| found.distance < old.distance) {
+                        best = Some((index, found));
+                    }
+                    (found.distance as f32).min(ray.tmax)
+                }
+                _ => f32::INFINITY,
+            }
+        });
+        best
+    }
+
+    /// Calls `visit` for every triangle, of either side, between `near` and `far`.
+    fn each_between(&self, eye: Vec3, direction: DVec3, near: f64, far: f64, mut visit: impl FnMut(usize)) {
+        let Some(tree) = &self.tree else { return };
+        let ray = Ray::new(eye.into(), direction.as_vec3a(), 0.0, f32::INFINITY);
+        tree.ray_traverse_anyhit(ray, |_, slot| {
+            let index = tree.primitive_indices[slot] as usize;
+            if let Some(found) = self.crossing(index, eye, direction)
+                && found.distance >= near
+                && found.distance < far
+            {
+                visit(index);
+            }
+        });
+    }
+}
+
+/// Renders `view` of `solution`; a pixel is the mean over `across` × `across` samples at the middles of its cells.
+///
+/// Cost: one evaluation per vertex, one ray per sample.
+pub fn render(solution: &Solution, view: &View, across: u32) -> Image {
+    let radiance: Vec<Rgb> = (0..solution.position.len())
+        .into_par_iter()
+        .map(|vertex| solution.evaluate(vertex, (view.eye - solution.position[vertex]).normalize_or_zero()))
+        .collect();
+    let corners = solution.triangles.iter().map(|t| t.map(|v| solution.position[v as usize])).collect();
+    let mesh = Surfaces::new(corners);
+    let glass = Surfaces::new(solution.glass_corners.clone());
+    let sample = |x: f64, y: f64| {
+        let direction = view.direction(x, y);
+        let near = view.near_along(direction);
+        let Some((triangle, crossing)) = mesh.nearest(view.eye, direction, near) else { return [0.0; 3] };
+        let mut sum = [0.0; 3];
+        for (vertex, weight) in solution.triangles[triangle].iter().zip(crossing.weights) {
+            for (channel, value) in sum.iter_mut().zip(radiance[*vertex as usize].to_array()) {
+                *channel += f64::from(value) * weight;
+            }
+        }
+        glass.each_between(view.eye, direction, near, crossing.distance, |index| {
+            let material = solution.glass_material[index] as usize;
+            for (channel, tint) in sum.iter_mut().zip(solution.materials[material].transmission.to_array()) {
+                *channel *= f64::from(tint);
+            }
+        });
+        sum
+    };
+    let step = 1.0 / f64::from(across);
+    let pixels = (0..view.width as usize * view.height as usize)
+        .into_par_iter()
+        .map(|index| {
+            let (column, row) = (index % view.width as usize, index / view.width as usize);
+            let mut sum = [0.0; 3];
+            for cell in 0..across * across {
+                let x = column as f64 + (f64::from(cell % across) + 0.5) * step;
+                let y = row as f64 + (f64::from(cell / across) + 0.5) * step;
+                for (total, value) in sum.iter_mut().zip(sample(x, y)) {
+                    *total += value;
+                }
+            }
+            Rgb::from(sum.map(|total: f64| (total * step * step) as f32))
+        })
+        .collect();
+    Image { width: view.width, height: view.height, pixels }
+}

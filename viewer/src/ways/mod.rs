@@ -1,0 +1,54 @@
+//! Ways of making an image from a solution.
+
+pub mod chunks;
+pub mod cpu;
+pub mod solution;
+
+use crate::camera::View;
+use crate::gpu::{Gpu, GpuError};
+use sheen_formats::image::Image;
+use sheen_solver::Solution;
+
+/// An image and how it was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// Linear radiance.
+    pub image: Image,
+    /// Name of what made it.
+    pub device: String,
+    /// Why no graphics device made it, if one was wanted.
+    pub fallback: Option<String>,
+}
+
+/// Renders `view` on a graphics device, or with `cpu`, or where there is no device, on the processor.
+pub fn render(solution: &Solution, view: &View, across: u32, cpu: bool) -> Rendered {
+    let on_gpu = || -> Result<(Image, String), GpuError> {
+        let gpu = Gpu::headless()?;
+        let renderer = solution::SolutionRenderer::new(&gpu, solution, chunks::Limits::default())?;
+        Ok((renderer.render(&gpu, view, across)?, gpu.info.name))
+    };
+    let fallback = if cpu {
+        None
+    } else {
+        match on_gpu() {
+            Ok((image, device)) => return Rendered { image, device, fallback: None },
+            Err(error) => Some(error.to_string()),
+        }
+    };
+    Rendered { image: cpu::render(solution, view, across), device: "the processor".to_owned(), fallback }
+}
+
+/// Smallest square number of samples per pixel that is at least `samples`, as its root.
+pub fn samples_across(samples: u32) -> u32 {
+    let root = samples.isqrt();
+    if root * root >= samples { root.max(1) } else { root + 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn samples_form_squares() {
+        let across: Vec<u32> = [0, 1, 2, 4, 5, 16, 17, 64].map(super::samples_across).to_vec();
+        assert_eq!(across, [1, 1, 2, 2, 3, 4, 5, 8]);
+    }
+}
