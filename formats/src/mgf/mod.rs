@@ -6,11 +6,13 @@
 //! clear), refraction (light goes straight on).
 //!
 //! Units as Radiance's `mgf2rad`: radiance = `ed` / (179 π), times the colour at luminance 1, in Radiance's RGB
-//! primaries, unconverted. Unlike it, we keep the reflection of surfaces that emit, and the colour of `rs`.
+//! primaries, unconverted. Unlike it, we keep the reflection of surfaces that emit, and the colour of `rs`; and where
+//! reflectances that add up to at most one exceed it in a channel, their colours move towards grey, with a note.
 //!
-//! Curved surfaces become flat facets within a chord tolerance of half a per cent of their radius, or of 3 % of the
-//! scene's diagonal where that is larger, with the exact normals of the surface. Their points lie slightly outside
-//! it, such that the facets have exactly its area: a tessellated lamp keeps its flux.
+//!
+//! Curved surfaces become flat facets within a chord tolerance of 0.6 % of their radius, or of 4 % of the scene's
+//! diagonal where that is larger, with the exact normals of the surface. Their points lie slightly outside it, such
+//! that the facets have exactly its area: a tessellated lamp keeps its flux.
 //!
 //! | module | activity |
 //! |---|---|
