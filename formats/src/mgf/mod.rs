@@ -9,9 +9,8 @@
 //! primaries, unconverted. Unlike it, we keep the reflection of surfaces that emit, and the colour of `rs`; and where
 //! reflectances that add up to at most one exceed it in a channel, their colours move towards grey, with a note.
 //!
-//!
-//! Curved surfaces become flat facets within a chord tolerance of 0.6 % of their radius, or of 4 % of the scene's
-//! diagonal where that is larger, with the exact normals of the surface. Their points lie slightly outside it, such
+//! Curved surfaces become flat facets within a chord tolerance of 0.6 % of their radius, where radii below 4 % of the
+//! scene's diagonal count as that large (six sides at least), with the exact normals of the surface. Their points lie slightly outside it, such
 //! that the facets have exactly its area: a tessellated lamp keeps its flux.
 //!
 //! | module | activity |
