@@ -149,47 +149,38 @@ const MGF: &[u8] = b"# room\nm white =\n\tsides 2\n\tc\n\tcxy 0.33 0.34\n\trd .5
     v a =\n\tp 0 0 0\nv b =\n\tp 1 0 0\nv c =\n\tp 1 1 0\n\tn 0 0 1\nf a b c\nsph a .5\ncyl a .1 b\nring c .1 .5\nprism a b c .5\n\
     xf\nm lamp =\n\ted 100\nf c b a\nsph c 1\n";
 
-fn obj_scene(
-    folder: &Path,
-    obj: &[u8],
-    mtl: &[u8],
-    sidecar: &[u8],
-    lenient: bool,
-) -> Result<(), FormatError> {
-    std::fs::write(folder.join("a.mtl"), mtl).unwrap();
-    std::fs::write(folder.join("a.toml"), sidecar).unwrap();
-    std::fs::write(folder.join("a.obj"), obj).unwrap();
-    load_scene(&folder.join("a.obj"), &LoadOptions { lenient }).map(drop)
+/// Replaces a file by removing it first: some file systems wait for the disk when a file is emptied and rewritten.
+fn put(path: &Path, content: &[u8]) {
+    let _ = std::fs::remove_file(path);
+    std::fs::write(path, content).unwrap();
+}
+
+/// Fuzzes one of the three files of an OBJ scene.
+fn fuzz_obj_scene(kind: &str, name: &str, corpus: &[u8], lenient: bool) {
+    let folder = tempfile::tempdir().unwrap();
+    put(&folder.path().join("a.obj"), OBJ);
+    put(&folder.path().join("a.mtl"), MTL);
+    fuzz(kind, &[corpus], false, |input| {
+        put(&folder.path().join(name), input);
+        load_scene(&folder.path().join("a.obj"), &LoadOptions { lenient })
+    });
 }
 
 #[test]
 fn damaged_obj_files() {
-    let folder = tempfile::tempdir().unwrap();
-    fuzz("OBJ", &[OBJ], false, |input| {
-        obj_scene(folder.path(), input, MTL, b"", false)
-    });
-    fuzz("OBJ, lenient", &[OBJ], false, |input| {
-        obj_scene(folder.path(), input, MTL, b"", true)
-    });
+    fuzz_obj_scene("OBJ", "a.obj", OBJ, false);
+    fuzz_obj_scene("OBJ, lenient", "a.obj", OBJ, true);
 }
 
 #[test]
 fn damaged_mtl_files() {
-    let folder = tempfile::tempdir().unwrap();
-    fuzz("MTL", &[MTL], false, |input| {
-        obj_scene(folder.path(), OBJ, input, b"", false)
-    });
-    fuzz("MTL, lenient", &[MTL], false, |input| {
-        obj_scene(folder.path(), OBJ, input, b"", true)
-    });
+    fuzz_obj_scene("MTL", "a.mtl", MTL, false);
+    fuzz_obj_scene("MTL, lenient", "a.mtl", MTL, true);
 }
 
 #[test]
 fn damaged_sidecars() {
-    let folder = tempfile::tempdir().unwrap();
-    fuzz("sidecar", &[SIDECAR], false, |input| {
-        obj_scene(folder.path(), OBJ, MTL, input, false)
-    });
+    fuzz_obj_scene("sidecar", "a.toml", SIDECAR, false);
 }
 
 #[test]
@@ -223,13 +214,11 @@ fn damaged_solutions() {
     sheen_formats::solution::write(&path, &solution).unwrap();
     let good = std::fs::read(&path).unwrap();
     fuzz("solution", &[&good], true, |input| {
-        std::fs::write(&path, input).unwrap();
-        sheen_formats::solution::read(&path)
+        sheen_formats::solution::decode(&path, input)
     });
     // With checksums made right, so that the checks behind them are reached. Damage that stays valid may pass.
     fuzz("solution, checksums right", &[&good], false, |input| {
-        std::fs::write(&path, with_right_checksums(input)).unwrap();
-        sheen_formats::solution::read(&path)
+        sheen_formats::solution::decode(&path, &with_right_checksums(input))
     });
 }
 
@@ -273,7 +262,7 @@ fn damaged_mgf_files() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mgf");
     fuzz("MGF", &[MGF], false, |input| {
-        std::fs::write(&path, input).unwrap();
+        put(&path, input);
         load_scene(&path, &LoadOptions { lenient: true })
     });
 }

@@ -619,3 +619,23 @@ fn the_reference_scenes_load_in_strict_mode() {
     };
     assert_eq!((count("cornell.obj"), count("soda_phong.obj")), (38, 30295));
 }
+
+#[test]
+fn the_reference_mgf_scenes_load_with_their_sidecar() {
+    let Some(shared) = shared("the_reference_mgf_scenes_load_with_their_sidecar") else {
+        return;
+    };
+    let scenes = shared.join("reference/scenes");
+    let soda = load_scene(&scenes.join("soda.mgf"), &LoadOptions::default()).unwrap();
+    assert_eq!(soda.scene.cameras().len(), 2);
+    noted(
+        &soda,
+        "mirrors become the sharpest lobe that the quality resolves",
+    );
+    noted(
+        &soda,
+        "clear glass lets visibility rays pass, tinted, and is drawn blended",
+    );
+    let features = load_scene(&scenes.join("mgf_features.mgf"), &LoadOptions::default()).unwrap();
+    noted(&features, "default camera");
+}

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use glam::Vec3;
-use sheen_formats::solution::{chunks, read, write};
+use sheen_formats::solution::{chunks, decode, read, write};
 use sheen_solver::directional::packed;
 use sheen_solver::solution::NO_DISTRIBUTION;
 use sheen_solver::{Camera, Gloss, Material, Rgb, Solution};
@@ -67,8 +67,7 @@ impl Place {
     }
     #[track_caller]
     fn refused(&self, bytes: &[u8], expected: &str) {
-        std::fs::write(self.path(), bytes).unwrap();
-        let text = read(&self.path()).unwrap_err().to_string();
+        let text = decode(&self.path(), bytes).unwrap_err().to_string();
         assert!(
             text.contains("s.sheen: ") && text.contains(expected),
             "'{text}' lacks '{expected}'"
@@ -145,6 +144,10 @@ fn row_33_a_truncated_file_is_refused() {
         .chain([1, 7, 8, 31, 33, good.len() - 1])
     {
         place.refused(&good[..length], "");
+        let path = place.0.path().join(format!("{length}.sheen"));
+        std::fs::write(&path, &good[..length]).unwrap();
+        let in_memory = decode(&path, &good[..length]).unwrap_err().to_string();
+        assert_eq!(read(&path).unwrap_err().to_string(), in_memory);
     }
     place.refused(&[], "is empty");
     place.refused(&good[..good.len() / 2], "is truncated");

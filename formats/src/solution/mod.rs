@@ -85,8 +85,12 @@ pub fn write(path: &Path, solution: &Solution) -> Result<(), FormatError> {
 ///
 /// Errors, one line each: no such file, another format or version, truncated, damaged (checksum), inconsistent.
 pub fn read(path: &Path) -> Result<Solution, FormatError> {
-    let map = map(path)?;
-    decode(&map).map_err(|message| FormatError::content(path, message))
+    decode(path, &map(path)?)
+}
+
+/// The solution in `file`, the bytes of a `.sheen` file; errors are those of [`read`] and name `path`.
+pub fn decode(path: &Path, file: &[u8]) -> Result<Solution, FormatError> {
+    assemble(file).map_err(|message| FormatError::content(path, message))
 }
 
 /// The chunks of a `.sheen` file in their order. Checks head and table, not the chunks' content.
@@ -110,7 +114,7 @@ fn map(path: &Path) -> Result<Mmap, FormatError> {
     map.map_err(io_error(path))
 }
 
-fn decode(file: &[u8]) -> Result<Solution, String> {
+fn assemble(file: &[u8]) -> Result<Solution, String> {
     let chunks = Chunks(container::read(file)?);
     if let Some(chunk) = chunks.0.iter().find(|chunk| !TAGS.contains(&&chunk.tag)) {
         return Err(format!(
