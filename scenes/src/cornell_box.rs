@@ -85,9 +85,9 @@ pub(crate) fn glossy() -> GeneratedScene {
     };
     build(&mut b, &parts);
     b.camera(Camera {
-        name: "low",
-        eye: [0.8, 0.35, 0.85],
-        target: [-0.35, 0.62, -0.5],
+        name: "inside",
+        eye: [0.8, 1.3, 0.9],
+        target: [-0.3, 0.4, -0.4],
         fov_y_degrees: 60.0,
         size: [512, 512],
     });

@@ -52,7 +52,7 @@ const BEAM_HALF: f64 = 0.12;
 const BEAM_BOTTOM: f64 = 2.82;
 
 /// Columns stand under two of the beams.
-const COLUMNS: [(f64, f64); 2] = [(-0.72, -1.05), (-0.72, 1.05)];
+const COLUMNS: [(f64, f64); 2] = [(-0.72, -3.15), (-0.72, 1.05)];
 
 /// One wall as its front is seen: where it starts, to the right, and inwards.
 struct Wall {
