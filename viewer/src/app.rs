@@ -88,14 +88,18 @@ pub fn run(
     }
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     // Compute passes are needed: no OpenGL.
-    setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+    setup.instance_descriptor.backends =
+        wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
     setup.device_descriptor = Arc::new(device_descriptor);
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title(format!("sheen: {title}"))
             .with_inner_size([1280.0, 800.0]),
         renderer: eframe::Renderer::Wgpu,
-        wgpu_options: WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(setup), ..WgpuConfiguration::default() },
+        wgpu_options: WgpuConfiguration {
+            wgpu_setup: WgpuSetup::CreateNew(setup),
+            ..WgpuConfiguration::default()
+        },
         ..eframe::NativeOptions::default()
     };
     let fault = Fault::default();
@@ -107,15 +111,21 @@ pub fn run(
         Ok(Box::new(app))
     });
     // The window library panics where a system library that it loads at run time is missing.
-    let opened = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| eframe::run_native("sheen", options, create)));
+    let opened = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        eframe::run_native("sheen", options, create)
+    }));
     if let Some(error) = fault.lock().ok().and_then(|mut slot| slot.take()) {
         return Err(error);
     }
     match opened {
         Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(WindowError::NoWindow { reason: error.to_string() }),
+        Ok(Err(error)) => Err(WindowError::NoWindow {
+            reason: error.to_string(),
+        }),
         Err(panic) if is_open.load(Ordering::Relaxed) => std::panic::resume_unwind(panic),
-        Err(_) => Err(WindowError::NoWindow { reason: "the window system could not be started".to_owned() }),
+        Err(_) => Err(WindowError::NoWindow {
+            reason: "the window system could not be started".to_owned(),
+        }),
     }
 }
 
@@ -150,8 +160,14 @@ impl WalkApp {
         let state = context
             .wgpu_render_state
             .clone()
-            .ok_or_else(|| GpuError::NoAdapter { reason: "the window has none".to_owned() })?;
-        let gpu = Gpu::from_device(state.device.clone(), state.queue.clone(), state.adapter.get_info());
+            .ok_or_else(|| GpuError::NoAdapter {
+                reason: "the window has none".to_owned(),
+            })?;
+        let gpu = Gpu::from_device(
+            state.device.clone(),
+            state.queue.clone(),
+            state.adapter.get_info(),
+        );
         let renderer = SolutionRenderer::new(&gpu, &solution, Limits::default())?;
         let bounds = solution.bounds();
         let mut app = Self {
@@ -168,7 +184,10 @@ impl WalkApp {
             },
             exposure: 1.0,
             facts: Facts::new(&solution),
-            figures: FrameFigures { device: gpu.info.name.clone(), ..FrameFigures::default() },
+            figures: FrameFigures {
+                device: gpu.info.name.clone(),
+                ..FrameFigures::default()
+            },
             last_frame: Instant::now(),
             frame_count: 0,
             panel: None,
@@ -186,7 +205,10 @@ impl WalkApp {
 
     /// Picks the exposure for what the eye sees.
     fn expose(&mut self, width: u32, height: u32) -> Result<(), GpuError> {
-        let camera = self.walker.camera(EXPOSURE_WIDTH, (EXPOSURE_WIDTH * height / width.max(1)).max(1));
+        let camera = self.walker.camera(
+            EXPOSURE_WIDTH,
+            (EXPOSURE_WIDTH * height / width.max(1)).max(1),
+        );
         if let Ok(view) = View::new(&camera, self.bounds) {
             let image = self.renderer.render(&self.gpu, &view, 1)?;
             self.exposure = tonemap::default_exposure(&image.pixels) as f32;
@@ -212,7 +234,11 @@ impl WalkApp {
                 }
             }
         }
-        let scroll = if response.hovered() { ui.input(|input| input.smooth_scroll_delta().y) } else { 0.0 };
+        let scroll = if response.hovered() {
+            ui.input(|input| input.smooth_scroll_delta().y)
+        } else {
+            0.0
+        };
         if scroll != 0.0 {
             self.walker.dolly((-scroll * DOLLY_RATE).exp());
         }
@@ -223,29 +249,48 @@ impl WalkApp {
     }
 
     fn steer_by_keys(&mut self, ui: &egui::Ui) {
-        let (seconds, hurry) = ui.input(|input| (input.stable_dt.min(LONGEST_STEP_S), input.modifiers.shift));
+        let (seconds, hurry) =
+            ui.input(|input| (input.stable_dt.min(LONGEST_STEP_S), input.modifiers.shift));
         let held = |forth: Key, back: Key| {
-            ui.input(|input| f32::from(i8::from(input.key_down(forth)) - i8::from(input.key_down(back))))
+            ui.input(|input| {
+                f32::from(i8::from(input.key_down(forth)) - i8::from(input.key_down(back)))
+            })
         };
         let step = self.walker.speed * seconds * if hurry { HURRY } else { 1.0 };
-        let (right, up, forward) = (held(Key::D, Key::A), held(Key::E, Key::Q), held(Key::W, Key::S));
+        let (right, up, forward) = (
+            held(Key::D, Key::A),
+            held(Key::E, Key::Q),
+            held(Key::W, Key::S),
+        );
         if (right, up, forward) != (0.0, 0.0, 0.0) {
             self.walker.shift(right * step, up * step, forward * step);
         }
-        let (right, up) = (held(Key::ArrowRight, Key::ArrowLeft), held(Key::ArrowUp, Key::ArrowDown));
+        let (right, up) = (
+            held(Key::ArrowRight, Key::ArrowLeft),
+            held(Key::ArrowUp, Key::ArrowDown),
+        );
         if (right, up) != (0.0, 0.0) {
-            self.walker.turn(right * seconds * TURN_RATE, up * seconds * TURN_RATE);
+            self.walker
+                .turn(right * seconds * TURN_RATE, up * seconds * TURN_RATE);
         }
     }
 
     /// Targets of the panel's size, registered with egui.
     fn prepare_panel(&mut self, width: u32, height: u32) {
         let samples = self.settings.samples;
-        let fits = |targets: &WindowTargets| (targets.width, targets.height, targets.across) == (width, height, samples);
-        if self.panel.as_ref().is_some_and(|(targets, _)| fits(targets)) {
+        let fits = |targets: &WindowTargets| {
+            (targets.width, targets.height, targets.across) == (width, height, samples)
+        };
+        if self
+            .panel
+            .as_ref()
+            .is_some_and(|(targets, _)| fits(targets))
+        {
             return;
         }
-        let targets = self.renderer.window_targets(&self.gpu, width, height, samples);
+        let targets = self
+            .renderer
+            .window_targets(&self.gpu, width, height, samples);
         let mut egui_renderer = self.state.renderer.write();
         if let Some((_, id)) = self.panel.take() {
             egui_renderer.free_texture(&id);
@@ -288,10 +333,15 @@ impl WalkApp {
         let overlay = self.overlay(exposure);
         let view = View::new(&self.walker.camera(width, height), self.bounds);
         if let (Some((targets, id)), Ok(view)) = (&self.panel, view) {
-            let settings = DrawSettings { overlay, exposure, timer: self.timer.as_ref() };
+            let settings = DrawSettings {
+                overlay,
+                exposure,
+                timer: self.timer.as_ref(),
+            };
             self.renderer.draw(&self.gpu, targets, &view, &settings);
             let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(*id, response.rect, whole, egui::Color32::WHITE);
+            ui.painter()
+                .image(*id, response.rect, whole, egui::Color32::WHITE);
         }
         self.figures.size = (width, height);
         if let Some(seconds) = self.timer.as_ref().and_then(FrameTimer::poll) {
@@ -314,7 +364,11 @@ impl WalkApp {
         }
         let (path, fault, window) = (plan.path.clone(), Arc::clone(&self.fault), context.clone());
         context.request_screenshot(move |image| {
-            let rgb: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
+            let rgb: Vec<u8> = image
+                .pixels
+                .iter()
+                .flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()])
+                .collect();
             let [width, height] = image.size.map(|side| side as u32);
             if let Err(error) = sheen_formats::image::write_png(&path, &rgb, width, height) {
                 set_fault(&fault, error.into());
@@ -336,12 +390,25 @@ impl eframe::App for WalkApp {
         if interval_ms < IDLE_MS {
             self.figures.interval_ms = Some(smooth(self.figures.interval_ms, interval_ms));
         }
-        egui::Panel::right("panel").default_size(300.0).show(ui, |ui| {
-            panels::side(ui, &mut self.settings, &mut self.walker, &self.facts, &self.figures);
-        });
-        egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.show_view(ui));
+        egui::Panel::right("panel")
+            .default_size(300.0)
+            .show(ui, |ui| {
+                panels::side(
+                    ui,
+                    &mut self.settings,
+                    &mut self.walker,
+                    &self.facts,
+                    &self.figures,
+                );
+            });
+        egui::CentralPanel::default()
+            .frame(egui::Frame::NONE)
+            .show(ui, |ui| self.show_view(ui));
         self.frame_count += 1;
-        self.figures.record_ms = smooth(Some(self.figures.record_ms), started.elapsed().as_secs_f64() * 1e3);
+        self.figures.record_ms = smooth(
+            Some(self.figures.record_ms),
+            started.elapsed().as_secs_f64() * 1e3,
+        );
         self.close_when_done(ui.ctx());
     }
 }

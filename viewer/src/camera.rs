@@ -45,7 +45,11 @@ impl View {
         let right = forward.cross(camera.up.as_dvec3()).normalize();
         let diagonal = (bounds.1.as_dvec3() - bounds.0.as_dvec3()).length();
         // The eye's own distance counts too: a camera far outside needs no near plane at its nose.
-        let near = if diagonal.is_finite() && diagonal > 0.0 { diagonal * NEAR_OF_DIAGONAL } else { NEAR_OF_DIAGONAL };
+        let near = if diagonal.is_finite() && diagonal > 0.0 {
+            diagonal * NEAR_OF_DIAGONAL
+        } else {
+            NEAR_OF_DIAGONAL
+        };
         Ok(Self {
             eye: camera.eye,
             right,
@@ -60,7 +64,12 @@ impl View {
 
     /// The whole image as one tile.
     pub fn whole(&self) -> Tile {
-        Tile { x: 0, y: 0, width: self.width, height: self.height }
+        Tile {
+            x: 0,
+            y: 0,
+            width: self.width,
+            height: self.height,
+        }
     }
 
     /// Clip space of `tile` from points relative to the eye. Depth is reversed and infinite: 1 at the near plane.
@@ -80,7 +89,11 @@ impl View {
             DVec4::new(0.0, 0.0, self.near, 0.0),
         );
         // The tile's middle goes to the middle of clip space, its borders to ±1.
-        let scale = DVec3::new(width / f64::from(tile.width), height / f64::from(tile.height), 1.0);
+        let scale = DVec3::new(
+            width / f64::from(tile.width),
+            height / f64::from(tile.height),
+            1.0,
+        );
         let middle_x = (2.0 * f64::from(tile.x) + f64::from(tile.width)) / width - 1.0;
         let middle_y = 1.0 - (2.0 * f64::from(tile.y) + f64::from(tile.height)) / height;
         let crop = DMat4::from_cols(
@@ -122,6 +135,8 @@ pub struct Walker {
     pub motion: Motion,
     /// Metres a second.
     pub speed: f32,
+    /// The speed that the size of the scene suggests [m/s].
+    pub usual_speed: f32,
     camera: Camera,
     /// Unit; turns to the side keep to it.
     world_up: Vec3,
@@ -138,10 +153,15 @@ impl Walker {
     /// Starts at `camera`, a valid one, in a scene within `bounds`.
     pub fn new(camera: &Camera, bounds: (Vec3, Vec3)) -> Self {
         let diagonal = (bounds.1 - bounds.0).length();
-        let speed = if diagonal.is_finite() && diagonal > 0.0 { diagonal / CROSSING_S } else { 1.0 };
+        let speed = if diagonal.is_finite() && diagonal > 0.0 {
+            diagonal / CROSSING_S
+        } else {
+            1.0
+        };
         let mut walker = Self {
             motion: Motion::Fly,
             speed,
+            usual_speed: speed,
             camera: camera.clone(),
             world_up: Vec3::Y,
             distance: 1.0,
@@ -159,7 +179,11 @@ impl Walker {
 
     /// The camera as it stands, for an image of this size.
     pub fn camera(&self, width: u32, height: u32) -> Camera {
-        Camera { width: width.max(1), height: height.max(1), ..self.camera.clone() }
+        Camera {
+            width: width.max(1),
+            height: height.max(1),
+            ..self.camera.clone()
+        }
     }
 
     /// Vertical field of view [degrees], to be changed within 1..170.
@@ -175,7 +199,9 @@ impl Walker {
     fn right(&self) -> Vec3 {
         let right = self.forward().cross(self.world_up);
         // A camera of a file may look straight along `up` as far as f32 can tell.
-        right.try_normalize().unwrap_or_else(|| self.world_up.any_orthonormal_vector())
+        right
+            .try_normalize()
+            .unwrap_or_else(|| self.world_up.any_orthonormal_vector())
     }
 
     /// Turns by angles [rad]: to the right, and up. Flying, the view turns; orbiting, the eye circles the target.
@@ -185,7 +211,10 @@ impl Walker {
         let elevation = turned.dot(self.world_up).clamp(-1.0, 1.0).asin();
         let limit = std::f32::consts::FRAC_PI_2 - POLE;
         let change = (elevation + up).clamp(-limit, limit) - elevation;
-        let axis = turned.cross(self.world_up).try_normalize().unwrap_or_else(|| self.right());
+        let axis = turned
+            .cross(self.world_up)
+            .try_normalize()
+            .unwrap_or_else(|| self.right());
         let forward = (glam::Quat::from_axis_angle(axis, change) * turned).normalize();
         match self.motion {
             Motion::Fly => self.camera.target = self.camera.eye + forward * self.distance,
@@ -233,14 +262,27 @@ mod tests {
     #[test]
     fn a_ray_and_its_projection_meet_in_every_tile() {
         let view = View::new(&camera(), (Vec3::ZERO, Vec3::ONE)).unwrap();
-        for tile in [view.whole(), Tile { x: 64, y: 100, width: 64, height: 50 }] {
+        for tile in [
+            view.whole(),
+            Tile {
+                x: 64,
+                y: 100,
+                width: 64,
+                height: 50,
+            },
+        ] {
             let (x, y) = (70.25, 101.75);
             let point = (view.direction(x, y) * 7.0).as_vec3();
             let clip = view.clip_from_relative(tile) * point.extend(1.0);
-            let column = f64::from(tile.x) + f64::from(clip.x / clip.w * 0.5 + 0.5) * f64::from(tile.width);
-            let row = f64::from(tile.y) + f64::from(0.5 - clip.y / clip.w * 0.5) * f64::from(tile.height);
+            let column =
+                f64::from(tile.x) + f64::from(clip.x / clip.w * 0.5 + 0.5) * f64::from(tile.width);
+            let row =
+                f64::from(tile.y) + f64::from(0.5 - clip.y / clip.w * 0.5) * f64::from(tile.height);
             // f32 clip coordinates of some hundred pixels.
-            assert!((column - x).abs() < 1e-3 && (row - y).abs() < 1e-3, "{column} {row}");
+            assert!(
+                (column - x).abs() < 1e-3 && (row - y).abs() < 1e-3,
+                "{column} {row}"
+            );
         }
     }
 

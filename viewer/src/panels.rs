@@ -4,9 +4,16 @@ use crate::camera::{Motion, Walker};
 use sheen_solver::solution::NO_DISTRIBUTION;
 use sheen_solver::{Camera, Solution, Stats};
 
+/// How much slower and faster than usual a person may move.
+const SPEED_RANGE: f32 = 16.0;
+
 /// Vertices with a directional distribution.
 pub fn glossy_vertices(solution: &Solution) -> usize {
-    solution.distribution_offset.iter().filter(|&&offset| offset != NO_DISTRIBUTION).count()
+    solution
+        .distribution_offset
+        .iter()
+        .filter(|&&offset| offset != NO_DISTRIBUTION)
+        .count()
 }
 
 /// Every figure of the statistics with its name, as in the `--stats` file.
@@ -15,12 +22,19 @@ pub fn statistics(stats: &Stats) -> Vec<(String, String)> {
         match value {
             serde_json::Value::Object(fields) => {
                 for (name, value) in fields {
-                    let name = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
+                    let name = if prefix.is_empty() {
+                        name.clone()
+                    } else {
+                        format!("{prefix}.{name}")
+                    };
                     flatten(&name, value, rows);
                 }
             }
             serde_json::Value::Number(number) if number.is_f64() => {
-                rows.push((prefix.to_owned(), format!("{:.4}", number.as_f64().unwrap_or(f64::NAN))));
+                rows.push((
+                    prefix.to_owned(),
+                    format!("{:.4}", number.as_f64().unwrap_or(f64::NAN)),
+                ));
             }
             other => rows.push((prefix.to_owned(), other.to_string())),
         }
@@ -86,7 +100,10 @@ impl Facts {
                 row("clear triangles", solution.glass_corners.len()),
                 row("vertices", solution.position.len()),
                 row("glossy vertices", glossy_vertices(solution)),
-                row("distributions [KiB]", solution.distribution_words.len() * 4 / 1024),
+                row(
+                    "distributions [KiB]",
+                    solution.distribution_words.len() * 4 / 1024,
+                ),
             ],
             statistics: statistics(&solution.stats),
             cameras: solution.cameras.clone(),
@@ -95,13 +112,16 @@ impl Facts {
 }
 
 fn table(ui: &mut egui::Ui, name: &str, rows: &[(String, String)]) {
-    egui::Grid::new(name).num_columns(2).striped(true).show(ui, |ui| {
-        for (name, value) in rows {
-            ui.label(name);
-            ui.monospace(value);
-            ui.end_row();
-        }
-    });
+    egui::Grid::new(name)
+        .num_columns(2)
+        .striped(true)
+        .show(ui, |ui| {
+            for (name, value) in rows {
+                ui.label(name);
+                ui.monospace(value);
+                ui.end_row();
+            }
+        });
 }
 
 fn frame_rows(figures: &FrameFigures) -> Vec<(String, String)> {
@@ -110,16 +130,27 @@ fn frame_rows(figures: &FrameFigures) -> Vec<(String, String)> {
     vec![
         (
             "frame".to_owned(),
-            figures.interval_ms.map_or_else(unknown, |value| format!("{} ({:.0}/s)", ms(value), 1000.0 / value)),
+            figures.interval_ms.map_or_else(unknown, |value| {
+                format!("{} ({:.0}/s)", ms(value), 1000.0 / value)
+            }),
         ),
         ("processor".to_owned(), ms(figures.record_ms)),
         ("device".to_owned(), figures.gpu_ms.map_or_else(unknown, ms)),
-        ("pixels".to_owned(), format!("{} x {}", figures.size.0, figures.size.1)),
+        (
+            "pixels".to_owned(),
+            format!("{} x {}", figures.size.0, figures.size.1),
+        ),
     ]
 }
 
 /// Shows the panel.
-pub fn side(ui: &mut egui::Ui, settings: &mut Settings, walker: &mut Walker, facts: &Facts, figures: &FrameFigures) {
+pub fn side(
+    ui: &mut egui::Ui,
+    settings: &mut Settings,
+    walker: &mut Walker,
+    facts: &Facts,
+    figures: &FrameFigures,
+) {
     egui::ScrollArea::vertical().show(ui, |ui| {
         ui.heading("Frame");
         table(ui, "frame", &frame_rows(figures));
@@ -138,9 +169,15 @@ pub fn side(ui: &mut egui::Ui, settings: &mut Settings, walker: &mut Walker, fac
                 walker.jump(camera);
             }
         }
-        let speed = walker.speed;
-        ui.add(egui::Slider::new(&mut walker.speed, speed * 0.5..=speed * 2.0).text("m/s").show_value(true));
-        ui.add(egui::Slider::new(walker.fov_y_degrees(), 5.0..=120.0).text("field of view, degrees"));
+        let range = walker.usual_speed / SPEED_RANGE..=walker.usual_speed * SPEED_RANGE;
+        ui.add(
+            egui::Slider::new(&mut walker.speed, range)
+                .logarithmic(true)
+                .text("m/s"),
+        );
+        ui.add(
+            egui::Slider::new(walker.fov_y_degrees(), 5.0..=120.0).text("field of view, degrees"),
+        );
         ui.small("W A S D, Q E: move · arrows, drag: look · shift: faster · wheel: nearer");
         ui.separator();
 
@@ -155,8 +192,10 @@ pub fn side(ui: &mut egui::Ui, settings: &mut Settings, walker: &mut Walker, fac
 
         ui.heading("Solution");
         table(ui, "sizes", &facts.sizes);
-        egui::CollapsingHeader::new("Solve").default_open(true).show(ui, |ui| {
-            table(ui, "statistics", &facts.statistics);
-        });
+        egui::CollapsingHeader::new("Solve")
+            .default_open(true)
+            .show(ui, |ui| {
+                table(ui, "statistics", &facts.statistics);
+            });
     });
 }

@@ -10,12 +10,20 @@ const TARGET: f64 = 0.8;
 /// sRGB encoding of a linear value, clamped to 0..1.
 pub fn srgb(linear: f64) -> f64 {
     let x = linear.clamp(0.0, 1.0);
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+    if x <= 0.003_130_8 {
+        12.92 * x
+    } else {
+        1.055 * x.powf(1.0 / 2.4) - 0.055
+    }
 }
 
 /// Linear value of an sRGB-encoded one.
 pub fn linear(encoded: f64) -> f64 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    if encoded <= 0.04045 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 /// Display bytes of `pixels`, three a pixel.
@@ -28,7 +36,11 @@ pub fn display_bytes(pixels: &[Rgb], exposure: f64) -> Vec<u8> {
 pub fn default_exposure(pixels: &[Rgb]) -> f64 {
     let mut luminance: Vec<f64> = pixels.iter().map(|&p| luminance(p)).collect();
     let value = percentile(&mut luminance, PERCENTILE);
-    if value > 0.0 && value.is_finite() { TARGET / value } else { 1.0 }
+    if value > 0.0 && value.is_finite() {
+        TARGET / value
+    } else {
+        1.0
+    }
 }
 
 /// Rec. 709 luminance in f64.
@@ -66,7 +78,10 @@ mod tests {
             // The two branches of the standard meet to seven digits.
             assert!((srgb(linear(value)) - value).abs() < 1e-6);
         }
-        assert_eq!(display_bytes(&[Rgb::new(0.0, 10.0, 0.5)], 1.0), [0, 255, 188]);
+        assert_eq!(
+            display_bytes(&[Rgb::new(0.0, 10.0, 0.5)], 1.0),
+            [0, 255, 188]
+        );
     }
 
     #[test]

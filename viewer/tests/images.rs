@@ -19,7 +19,10 @@ fn view(solution: &Solution, change: impl FnOnce(&mut sheen_solver::Camera)) -> 
 }
 
 fn on_device(gpu: &Gpu, solution: &Solution, limits: Limits, view: &View, across: u32) -> Image {
-    SolutionRenderer::new(gpu, solution, limits).unwrap().render(gpu, view, across).unwrap()
+    SolutionRenderer::new(gpu, solution, limits)
+        .unwrap()
+        .render(gpu, view, across)
+        .unwrap()
 }
 
 /// Pixels in 1,000 that may differ by more: rasterisers snap vertices to 1/256 of a sample, so that a silhouette
@@ -30,18 +33,31 @@ fn assert_alike(a: &Image, b: &Image, what: &str) {
     let differences = display_differences(a, b);
     let beyond = differences.iter().filter(|&&d| d > 2).count();
     let mean = differences.iter().map(|&d| f64::from(d)).sum::<f64>() / differences.len() as f64;
-    eprintln!("{what}: {beyond} of {} pixels beyond 2/255, mean difference {mean:.5}/255", differences.len());
-    assert!(beyond * 1000 <= differences.len() * SILHOUETTES, "{what}: {beyond} pixels");
+    eprintln!(
+        "{what}: {beyond} of {} pixels beyond 2/255, mean difference {mean:.5}/255",
+        differences.len()
+    );
+    assert!(
+        beyond * 1000 <= differences.len() * SILHOUETTES,
+        "{what}: {beyond} pixels"
+    );
     // Nearly every byte is the same; the rest differs by rounding.
     assert!(mean < 0.05, "{what}: mean {mean}");
 }
 
 #[test]
 fn device_and_processor_agree() {
-    let Some(gpu) = gpu("device_and_processor_agree") else { return };
+    let Some(gpu) = gpu("device_and_processor_agree") else {
+        return;
+    };
     let solution = room();
     let renderer = SolutionRenderer::new(&gpu, &solution, Limits::default()).unwrap();
-    let eyes = [Vec3::new(0.3, 1.1, 3.4), Vec3::new(-1.5, 0.4, 1.9), Vec3::new(1.7, 2.2, 0.5), Vec3::new(-1.0, 0.9, -1.6)];
+    let eyes = [
+        Vec3::new(0.3, 1.1, 3.4),
+        Vec3::new(-1.5, 0.4, 1.9),
+        Vec3::new(1.7, 2.2, 0.5),
+        Vec3::new(-1.0, 0.9, -1.6),
+    ];
     for eye in eyes {
         let view = view(&solution, |camera| camera.eye = eye);
         let device = renderer.render(&gpu, &view, 4).unwrap();
@@ -56,14 +72,16 @@ fn the_highlight_moves_with_the_eye() {
     let solution = room();
     let brightest = |eye: Vec3| {
         let view = view(&solution, |camera| {
-            (camera.eye, camera.target, camera.fov_y_degrees) = (eye, Vec3::new(eye.x, 0.0, 0.0), 40.0);
+            (camera.eye, camera.target, camera.fov_y_degrees) =
+                (eye, Vec3::new(eye.x, 0.0, 0.0), 40.0);
         });
         let image = cpu::render(&solution, &view, 1);
         // Below the horizon of the lamp, left of the glass: the floor.
         let rows = image.height / 2..image.height;
         rows.flat_map(|y| (0..image.width).map(move |x| (x, y)))
             .max_by(|a, b| {
-                let at = |&(x, y): &(u32, u32)| image.pixels[(y * image.width + x) as usize].luminance();
+                let at =
+                    |&(x, y): &(u32, u32)| image.pixels[(y * image.width + x) as usize].luminance();
                 at(a).total_cmp(&at(b))
             })
             .unwrap()
@@ -71,29 +89,49 @@ fn the_highlight_moves_with_the_eye() {
             / image.width as f32
     };
     // Looking straight ahead from further left, the lamp's reflection stands further right.
-    let (left, right) = (brightest(Vec3::new(-1.0, 1.0, 3.0)), brightest(Vec3::new(0.2, 1.0, 3.0)));
+    let (left, right) = (
+        brightest(Vec3::new(-1.0, 1.0, 3.0)),
+        brightest(Vec3::new(0.2, 1.0, 3.0)),
+    );
     assert!(left > right + 0.1, "{left} {right}");
 }
 
 #[test]
 fn cutting_into_chunks_changes_nothing() {
-    let Some(gpu) = gpu("cutting_into_chunks_changes_nothing") else { return };
+    let Some(gpu) = gpu("cutting_into_chunks_changes_nothing") else {
+        return;
+    };
     let solution = room();
     let view = view(&solution, |_| ());
     let whole = on_device(&gpu, &solution, Limits::default(), &view, 2);
     for limits in [
-        Limits { vertices: 40, ..Limits::default() },
-        Limits { words: 20_000, ..Limits::default() },
-        Limits { triangles: 7, ..Limits::default() },
+        Limits {
+            vertices: 40,
+            ..Limits::default()
+        },
+        Limits {
+            words: 20_000,
+            ..Limits::default()
+        },
+        Limits {
+            triangles: 7,
+            ..Limits::default()
+        },
     ] {
         assert!(sheen_viewer::ways::chunks::cut(&solution, limits).len() > 1);
-        assert_eq!(on_device(&gpu, &solution, limits, &view, 2), whole, "{limits:?}");
+        assert_eq!(
+            on_device(&gpu, &solution, limits, &view, 2),
+            whole,
+            "{limits:?}"
+        );
     }
 }
 
 #[test]
 fn tiles_meet_without_a_seam() {
-    let Some(gpu) = gpu("tiles_meet_without_a_seam") else { return };
+    let Some(gpu) = gpu("tiles_meet_without_a_seam") else {
+        return;
+    };
     let solution = room();
     // 2048 samples a tile: at 32 across a pixel, 64 pixels.
     let view = view(&solution, |camera| (camera.width, camera.height) = (96, 72));
@@ -103,18 +141,34 @@ fn tiles_meet_without_a_seam() {
 
 #[test]
 fn radiance_far_beyond_half_floats_survives() {
-    let Some(gpu) = gpu("radiance_far_beyond_half_floats_survives") else { return };
+    let Some(gpu) = gpu("radiance_far_beyond_half_floats_survives") else {
+        return;
+    };
     for factor in [2f32.powi(60), 2f32.powi(-60)] {
         let mut solution = empty();
         let whole = (Vec3::new(-9.0, -9.0, 0.0), Vec3::X * 18.0, Vec3::Y * 18.0);
-        let distribution = |_: Vec3| pack(1, Vec3::Z, factor, &lobe(Vec3::Z, 0, Rgb::splat(factor)));
-        add_grid(&mut solution, whole, 2, 1, &|_| Rgb::new(1.0, 2.0, 3.0) * factor, Some(&distribution));
+        let distribution =
+            |_: Vec3| pack(1, Vec3::Z, factor, &lobe(Vec3::Z, 0, Rgb::splat(factor)));
+        add_grid(
+            &mut solution,
+            whole,
+            2,
+            1,
+            &|_| Rgb::new(1.0, 2.0, 3.0) * factor,
+            Some(&distribution),
+        );
         let view = view(&solution, |camera| (camera.width, camera.height) = (8, 6));
-        for image in [on_device(&gpu, &solution, Limits::default(), &view, 4), cpu::render(&solution, &view, 4)] {
+        for image in [
+            on_device(&gpu, &solution, Limits::default(), &view, 4),
+            cpu::render(&solution, &view, 4),
+        ] {
             for pixel in &image.pixels {
                 for (value, expected) in pixel.to_array().iter().zip([2.0, 3.0, 4.0]) {
                     // f32 interpolation and a mean of 16.
-                    assert!((value / factor / expected - 1.0).abs() < 1e-5, "{factor}: {value}");
+                    assert!(
+                        (value / factor / expected - 1.0).abs() < 1e-5,
+                        "{factor}: {value}"
+                    );
                 }
             }
         }
@@ -123,19 +177,33 @@ fn radiance_far_beyond_half_floats_survives() {
 
 #[test]
 fn the_scale_of_a_scene_does_not_matter() {
-    let Some(gpu) = gpu("the_scale_of_a_scene_does_not_matter") else { return };
+    let Some(gpu) = gpu("the_scale_of_a_scene_does_not_matter") else {
+        return;
+    };
     let plain = room();
     let expected = on_device(&gpu, &plain, Limits::default(), &view(&plain, |_| ()), 4);
     for factor in [2f32.powi(20), 2f32.powi(-20)] {
         let mut solution = plain.clone();
         solution.position.iter_mut().for_each(|p| *p *= factor);
-        solution.glass_corners.as_flattened_mut().iter_mut().for_each(|p| *p *= factor);
+        solution
+            .glass_corners
+            .as_flattened_mut()
+            .iter_mut()
+            .for_each(|p| *p *= factor);
         let view = view(&solution, |camera| {
             camera.eye *= factor;
             camera.target *= factor;
         });
-        assert_alike(&on_device(&gpu, &solution, Limits::default(), &view, 4), &expected, &format!("{factor}"));
-        assert_alike(&cpu::render(&solution, &view, 4), &expected, &format!("{factor}, processor"));
+        assert_alike(
+            &on_device(&gpu, &solution, Limits::default(), &view, 4),
+            &expected,
+            &format!("{factor}"),
+        );
+        assert_alike(
+            &cpu::render(&solution, &view, 4),
+            &expected,
+            &format!("{factor}, processor"),
+        );
     }
 }
 
@@ -175,7 +243,12 @@ fn glass_tints_what_is_behind_it_and_nothing_else() {
 fn an_empty_solution_is_black() {
     let solution = empty();
     let view = view(&solution, |camera| (camera.width, camera.height) = (7, 5));
-    assert!(cpu::render(&solution, &view, 4).pixels.iter().all(|p| p.is_black()));
+    assert!(
+        cpu::render(&solution, &view, 4)
+            .pixels
+            .iter()
+            .all(|p| p.is_black())
+    );
     if let Some(gpu) = gpu("an_empty_solution_is_black") {
         let image = on_device(&gpu, &solution, Limits::default(), &view, 4);
         assert!(image.pixels.len() == 35 && image.pixels.iter().all(|p| p.is_black()));

@@ -11,7 +11,8 @@ use wgpu::naga;
 
 fn parse(shader: &Shader) -> naga::Module {
     let source = shader.source();
-    naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}: {}", shader.label, e.emit_to_string(&source)))
+    naga::front::wgsl::parse_str(&source)
+        .unwrap_or_else(|e| panic!("{}: {}", shader.label, e.emit_to_string(&source)))
 }
 
 #[test]
@@ -22,11 +23,24 @@ fn shaders_are_valid() {
             let source = shader.source();
             let module = match naga::front::wgsl::parse_str(&source) {
                 Ok(module) => module,
-                Err(error) => return Some(format!("{}: {}", shader.label, error.emit_to_string(&source))),
+                Err(error) => {
+                    return Some(format!(
+                        "{}: {}",
+                        shader.label,
+                        error.emit_to_string(&source)
+                    ));
+                }
             };
-            assert!(!module.entry_points.is_empty(), "{}: no entry point", shader.label);
-            let result = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module);
-            result.err().map(|error| format!("{}: {}", shader.label, error.emit_to_string(&source)))
+            assert!(
+                !module.entry_points.is_empty(),
+                "{}: no entry point",
+                shader.label
+            );
+            let result =
+                Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module);
+            result
+                .err()
+                .map(|error| format!("{}: {}", shader.label, error.emit_to_string(&source)))
         })
         .collect();
     assert!(faults.is_empty(), "{}", faults.join("\n"));
@@ -46,17 +60,37 @@ fn every_file_is_used() {
         }
     }
     let mut files = BTreeSet::new();
-    collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders"), "", &mut files);
-    let used: BTreeSet<String> = ALL.iter().flat_map(|shader| shader.files).map(|&file| file.to_owned()).collect();
+    collect(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders"),
+        "",
+        &mut files,
+    );
+    let used: BTreeSet<String> = ALL
+        .iter()
+        .flat_map(|shader| shader.files)
+        .map(|&file| file.to_owned())
+        .collect();
     assert_eq!(files, used);
 }
 
 /// Members of the structure `name` with their offsets, and its size.
 fn layout(shader: &str, name: &str) -> (Vec<(String, usize)>, usize) {
     let module = parse(ALL.iter().find(|s| s.label == shader).unwrap());
-    let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap();
-    let naga::TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is no structure") };
-    (members.iter().map(|m| (m.name.clone().unwrap(), m.offset as usize)).collect(), *span as usize)
+    let (_, ty) = module
+        .types
+        .iter()
+        .find(|(_, ty)| ty.name.as_deref() == Some(name))
+        .unwrap();
+    let naga::TypeInner::Struct { members, span } = &ty.inner else {
+        panic!("{name} is no structure")
+    };
+    (
+        members
+            .iter()
+            .map(|m| (m.name.clone().unwrap(), m.offset as usize))
+            .collect(),
+        *span as usize,
+    )
 }
 
 macro_rules! assert_mirrors {
@@ -72,7 +106,32 @@ fn structures_are_laid_out_as_their_mirrors() {
         let expected = layout("mesh", "Frame");
         assert_eq!(layout(shader, "Frame"), expected);
     }
-    assert_mirrors!("mesh", "Frame", FrameUniforms, clip_from_relative, eye, glossy_tint, line_radiance, padding);
-    assert_mirrors!("evaluate", "GlossyVertex", GlossyVertex, position, offset, radiance, vertex);
-    assert_mirrors!("resolve", "Resolve", ResolveUniforms, samples, has_glass, exposure, padding);
+    assert_mirrors!(
+        "mesh",
+        "Frame",
+        FrameUniforms,
+        clip_from_relative,
+        eye,
+        glossy_tint,
+        line_radiance,
+        padding
+    );
+    assert_mirrors!(
+        "evaluate",
+        "GlossyVertex",
+        GlossyVertex,
+        position,
+        offset,
+        radiance,
+        vertex
+    );
+    assert_mirrors!(
+        "resolve",
+        "Resolve",
+        ResolveUniforms,
+        samples,
+        has_glass,
+        exposure,
+        padding
+    );
 }

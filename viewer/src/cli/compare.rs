@@ -32,8 +32,14 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     let test = sheen_formats::image::read_exr(&args.test)?;
     let reference = sheen_formats::image::read_exr(&args.reference)?;
-    let comparison = compare(&test, &reference, args.downsample, args.exposure)
-        .with_context(|| format!("{} against {}", args.test.display(), args.reference.display()))?;
+    let comparison =
+        compare(&test, &reference, args.downsample, args.exposure).with_context(|| {
+            format!(
+                "{} against {}",
+                args.test.display(),
+                args.reference.display()
+            )
+        })?;
     if let Some(path) = &args.heatmap {
         let bytes = heatmap::image(&comparison.flip_map);
         sheen_formats::image::write_png(path, &bytes, comparison.width, comparison.height)?;

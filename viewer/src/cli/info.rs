@@ -20,7 +20,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if input::is_solution(&args.file) {
         write_solution(&mut text, &sheen_formats::solution::read(&args.file)?)?;
     } else {
-        write_scene(&mut text, &input::load_scene(&args.file, args.lenient)?.scene)?;
+        write_scene(
+            &mut text,
+            &input::load_scene(&args.file, args.lenient)?.scene,
+        )?;
     }
     super::print(&text)
 }
@@ -30,7 +33,11 @@ fn count(text: &mut String, name: &str, value: usize) -> FmtResult {
 }
 
 fn bounds(text: &mut String, (low, high): (glam::Vec3, glam::Vec3)) -> FmtResult {
-    writeln!(text, "{:16} ({}, {}, {}) to ({}, {}, {}) m", "bounds", low.x, low.y, low.z, high.x, high.y, high.z)
+    writeln!(
+        text,
+        "{:16} ({}, {}, {}) to ({}, {}, {}) m",
+        "bounds", low.x, low.y, low.z, high.x, high.y, high.z
+    )
 }
 
 fn rgb(c: Rgb) -> String {
@@ -41,11 +48,21 @@ fn rgb(c: Rgb) -> String {
 fn materials(text: &mut String, materials: &[Material], triangles: &[usize]) -> FmtResult {
     count(text, "materials", materials.len())?;
     for (material, triangles) in materials.iter().zip(triangles) {
-        write!(text, "  '{}': {triangles} triangles, diffuse {}", material.name, rgb(material.diffuse))?;
+        write!(
+            text,
+            "  '{}': {triangles} triangles, diffuse {}",
+            material.name,
+            rgb(material.diffuse)
+        )?;
         match material.gloss {
             Gloss::None => {}
-            Gloss::Phong { specular, exponent } => write!(text, ", Phong {} exponent {exponent}", rgb(specular))?,
-            Gloss::Ward { specular, roughness } => write!(text, ", Ward {} roughness {roughness}", rgb(specular))?,
+            Gloss::Phong { specular, exponent } => {
+                write!(text, ", Phong {} exponent {exponent}", rgb(specular))?
+            }
+            Gloss::Ward {
+                specular,
+                roughness,
+            } => write!(text, ", Ward {} roughness {roughness}", rgb(specular))?,
         }
         if material.is_glass() {
             write!(text, ", clear {}", rgb(material.transmission))?;
@@ -53,7 +70,15 @@ fn materials(text: &mut String, materials: &[Material], triangles: &[usize]) -> 
         if !material.emission.is_black() {
             write!(text, ", emits {} W/(sr m2)", rgb(material.emission))?;
         }
-        writeln!(text, "{}", if material.two_sided { "" } else { ", one-sided" })?;
+        writeln!(
+            text,
+            "{}",
+            if material.two_sided {
+                ""
+            } else {
+                ", one-sided"
+            }
+        )?;
     }
     Ok(())
 }
@@ -65,7 +90,16 @@ fn cameras(text: &mut String, cameras: &[Camera]) -> FmtResult {
         writeln!(
             text,
             "  '{}': {}x{}, {} degrees, from {},{},{} to {},{},{}",
-            c.name, c.width, c.height, c.fov_y_degrees, eye.x, eye.y, eye.z, target.x, target.y, target.z
+            c.name,
+            c.width,
+            c.height,
+            c.fov_y_degrees,
+            eye.x,
+            eye.y,
+            eye.z,
+            target.x,
+            target.y,
+            target.z
         )?;
     }
     Ok(())
@@ -83,7 +117,10 @@ fn emitted_watts(scene: &Scene) -> [f64; 3] {
         let [a, b, c] = scene.corners(triangle).map(|corner| corner.as_dvec3());
         let material = &scene.materials()[triangle.material as usize];
         let sides = if material.emits_from_back { 2.0 } else { 1.0 };
-        add(material.emission, PI * sides * 0.5 * (b - a).cross(c - a).length());
+        add(
+            material.emission,
+            PI * sides * 0.5 * (b - a).cross(c - a).length(),
+        );
     }
     for light in scene.point_lights() {
         add(light.intensity, 4.0 * PI);
@@ -103,11 +140,27 @@ fn write_scene(text: &mut String, scene: &Scene) -> FmtResult {
     count(text, "triangles", scene.triangles().len())?;
     count(text, "  glossy", glossy)?;
     count(text, "  clear", clear)?;
-    count(text, "  smooth", scene.triangles().iter().filter(|t| t.normals.is_some()).count())?;
+    count(
+        text,
+        "  smooth",
+        scene
+            .triangles()
+            .iter()
+            .filter(|t| t.normals.is_some())
+            .count(),
+    )?;
     count(text, "points", scene.points().len())?;
     count(text, "point lights", scene.point_lights().len())?;
     let watts = emitted_watts(scene);
-    writeln!(text, "{:16} {:.6} W (R {:.6}, G {:.6}, B {:.6})", "emitted", watts.iter().sum::<f64>(), watts[0], watts[1], watts[2])?;
+    writeln!(
+        text,
+        "{:16} {:.6} W (R {:.6}, G {:.6}, B {:.6})",
+        "emitted",
+        watts.iter().sum::<f64>(),
+        watts[0],
+        watts[1],
+        watts[2]
+    )?;
     bounds(text, scene.bounds())?;
     materials(text, scene.materials(), &uses)?;
     cameras(text, scene.cameras())
@@ -115,7 +168,10 @@ fn write_scene(text: &mut String, scene: &Scene) -> FmtResult {
 
 fn write_solution(text: &mut String, solution: &Solution) -> FmtResult {
     let mut uses = vec![0; solution.materials.len()];
-    let of_mesh = solution.triangles.iter().map(|t| solution.material[t[0] as usize]);
+    let of_mesh = solution
+        .triangles
+        .iter()
+        .map(|t| solution.material[t[0] as usize]);
     for material in of_mesh.chain(solution.glass_material.iter().copied()) {
         uses[material as usize] += 1;
     }
@@ -123,7 +179,11 @@ fn write_solution(text: &mut String, solution: &Solution) -> FmtResult {
     count(text, "clear triangles", solution.glass_corners.len())?;
     count(text, "vertices", solution.position.len())?;
     count(text, "  glossy", crate::panels::glossy_vertices(solution))?;
-    count(text, "distributions B", 4 * solution.distribution_words.len())?;
+    count(
+        text,
+        "distributions B",
+        4 * solution.distribution_words.len(),
+    )?;
     bounds(text, solution.bounds())?;
     materials(text, &solution.materials, &uses)?;
     cameras(text, &solution.cameras)?;

@@ -22,6 +22,9 @@ pub(super) struct SolveArgs {
     /// Threads [default: all of the machine]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), value_name = "N")]
     threads: Option<u16>,
+    /// Share of the emitted power that a link may be wrong by [default: follows from quality]
+    #[arg(long, value_parser = values::positive, value_name = "SHARE")]
+    link_tolerance: Option<f64>,
     /// Repair faults of the scene that can be repaired, and say so, instead of refusing it
     #[arg(long)]
     lenient: bool,
@@ -34,13 +37,15 @@ impl SolveArgs {
             time_limit_s: self.time_limit,
             max_level: self.levels,
             threads: self.threads.map(usize::from),
+            link_tolerance: self.link_tolerance.map(|share| share as f32),
         }
     }
 }
 
 /// True for the file name of a solution.
 pub(super) fn is_solution(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("sheen"))
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("sheen"))
 }
 
 /// Reads a scene; its notes go to stderr.
@@ -79,34 +84,61 @@ pub(super) fn solve_scene(path: &Path, args: &SolveArgs) -> anyhow::Result<Solut
 
 /// Reads a solution, or a scene that is then solved.
 pub(super) fn solution(path: &Path, args: &SolveArgs) -> anyhow::Result<Solution> {
-    if is_solution(path) { Ok(sheen_formats::solution::read(path)?) } else { solve_scene(path, args) }
+    if is_solution(path) {
+        Ok(sheen_formats::solution::read(path)?)
+    } else {
+        solve_scene(path, args)
+    }
 }
 
 /// The camera of this name; the first one without a name.
 pub(super) fn camera(cameras: &[Camera], name: Option<&str>) -> anyhow::Result<Camera> {
     let Some(name) = name else {
-        return cameras.first().cloned().context("the solution holds no camera: expected at least one");
+        return cameras
+            .first()
+            .cloned()
+            .context("the solution holds no camera: expected at least one");
     };
-    cameras.iter().find(|camera| camera.name == name).cloned().with_context(|| {
-        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
-        format!("no camera is called '{name}', expected one of: {}", names.join(", "))
-    })
+    cameras
+        .iter()
+        .find(|camera| camera.name == name)
+        .cloned()
+        .with_context(|| {
+            let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+            format!(
+                "no camera is called '{name}', expected one of: {}",
+                names.join(", ")
+            )
+        })
 }
 
 /// Checks, before anything costly is done, that `path` can be written.
 pub(super) fn check_output(path: &Path) -> anyhow::Result<()> {
-    let name = path.file_name().with_context(|| format!("{}: is no file name", path.display()))?;
-    anyhow::ensure!(!path.is_dir(), "{}: is a folder, expected a file name", path.display());
+    let name = path
+        .file_name()
+        .with_context(|| format!("{}: is no file name", path.display()))?;
+    anyhow::ensure!(
+        !path.is_dir(),
+        "{}: is a folder, expected a file name",
+        path.display()
+    );
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
         _ => PathBuf::from("."),
     };
-    anyhow::ensure!(folder.is_dir(), "{}: no such folder, expected an existing one for the output", folder.display());
+    anyhow::ensure!(
+        folder.is_dir(),
+        "{}: no such folder, expected an existing one for the output",
+        folder.display()
+    );
     let mut probe_name = std::ffi::OsString::from(".");
     probe_name.push(name);
     probe_name.push(format!(".{}.probe", std::process::id()));
     let probe = folder.join(probe_name);
-    let opened = std::fs::OpenOptions::new().write(true).create_new(true).open(&probe);
+    let opened = std::fs::OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&probe);
     opened.with_context(|| format!("{}: cannot be written to", folder.display()))?;
     std::fs::remove_file(&probe).with_context(|| format!("{}", probe.display()))
 }

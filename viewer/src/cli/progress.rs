@@ -42,13 +42,21 @@ pub(super) struct TerminalObserver {
 impl TerminalObserver {
     pub(super) fn new() -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
-            if let Ok(style) = ProgressStyle::with_template("{msg:14} [{bar:40}] {percent:>3} %  {prefix}") {
+            let bar =
+                ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
+            if let Ok(style) =
+                ProgressStyle::with_template("{msg:14} [{bar:40}] {percent:>3} %  {prefix}")
+            {
                 bar.set_style(style.progress_chars("=> "));
             }
             bar
         });
-        Self { bar, started: Instant::now(), last_line: Instant::now(), phase: "" }
+        Self {
+            bar,
+            started: Instant::now(),
+            last_line: Instant::now(),
+            phase: "",
+        }
     }
 
     pub(super) fn finish(&self) {
@@ -78,10 +86,18 @@ impl Observer for TerminalObserver {
             bar.set_position((f64::from(progress.done.clamp(0.0, 1.0)) * STEPS as f64) as u64);
         } else if self.last_line.elapsed() >= LINE_INTERVAL {
             let percent = progress.done.clamp(0.0, 1.0) * 100.0;
-            super::note(&format!("{}: {percent:.0} %, {}", progress.phase, self.clock(progress.done)));
+            super::note(&format!(
+                "{}: {percent:.0} %, {}",
+                progress.phase,
+                self.clock(progress.done)
+            ));
             self.last_line = Instant::now();
         }
         self.phase = progress.phase;
-        if is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if is_interrupted() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 }

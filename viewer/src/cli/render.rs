@@ -70,7 +70,12 @@ impl Output {
 
 fn output(text: &str) -> Result<Output, String> {
     let path = PathBuf::from(text);
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+    match path
+        .extension()
+        .and_then(|e| e.to_str())
+        .map(str::to_ascii_lowercase)
+        .as_deref()
+    {
         Some("exr") => Ok(Output::Exr(path)),
         Some("png") => Ok(Output::Png(path)),
         _ => Err("expected a file name that ends in .exr or .png".to_owned()),
@@ -83,7 +88,9 @@ fn camera(args: &Args, solution: &Solution) -> anyhow::Result<Camera> {
         camera.name = "command line".to_owned();
         (camera.eye, camera.target) = (eye, target);
         camera.up = args.up.unwrap_or(camera.up);
-        camera.fov_y_degrees = args.fov_y.map_or(camera.fov_y_degrees, |degrees| degrees as f32);
+        camera.fov_y_degrees = args
+            .fov_y
+            .map_or(camera.fov_y_degrees, |degrees| degrees as f32);
     }
     if let Some((width, height)) = args.size {
         (camera.width, camera.height) = (width, height);
@@ -96,7 +103,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     input::check_output(args.output.path())?;
     let solution = input::solution(&args.input, &args.solve).map(Box::new)?;
     let camera = camera(args, &solution)?;
-    let view = View::new(&camera, solution.bounds()).with_context(|| args.input.display().to_string())?;
+    let view =
+        View::new(&camera, solution.bounds()).with_context(|| args.input.display().to_string())?;
     let rendered = ways::render(&solution, &view, ways::samples_across(args.spp), args.cpu);
     if let Some(reason) = &rendered.fallback {
         note(&format!("{reason}; rendering on the processor instead"));
@@ -105,7 +113,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     match &args.output {
         Output::Exr(path) => sheen_formats::image::write_exr(path, image)?,
         Output::Png(path) => {
-            let exposure = args.exposure.unwrap_or_else(|| tonemap::default_exposure(&image.pixels));
+            let exposure = args
+                .exposure
+                .unwrap_or_else(|| tonemap::default_exposure(&image.pixels));
             let bytes = tonemap::display_bytes(&image.pixels, exposure);
             sheen_formats::image::write_png(path, &bytes, image.width, image.height)?;
         }

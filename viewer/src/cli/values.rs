@@ -7,7 +7,12 @@ pub(super) fn vector(text: &str) -> Result<Vec3, String> {
     let expected = || format!("'{text}' is not three numbers as in 1,2.5,-3");
     let parts: Vec<f32> = text
         .split(',')
-        .map(|part| part.trim().parse::<f32>().ok().filter(|value| value.is_finite()))
+        .map(|part| {
+            part.trim()
+                .parse::<f32>()
+                .ok()
+                .filter(|value| value.is_finite())
+        })
         .collect::<Option<_>>()
         .ok_or_else(expected)?;
     match parts[..] {
@@ -60,6 +65,11 @@ mod tests {
         assert!(size("0x4").is_err() && size("99999x1").is_err() && size("640").is_err());
         assert_eq!(seconds("1.5m"), Ok(90.0));
         assert_eq!(seconds("60s"), Ok(60.0));
-        assert!(seconds("-1").is_err() && seconds("s").is_err() && seconds("").is_err() && seconds("é").is_err());
+        assert!(
+            seconds("-1").is_err()
+                && seconds("s").is_err()
+                && seconds("").is_err()
+                && seconds("é").is_err()
+        );
     }
 }

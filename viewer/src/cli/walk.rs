@@ -32,8 +32,14 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     let solution = Arc::new(input::solution(&args.input, &args.solve)?);
     let camera = input::camera(&solution.cameras, args.camera.as_deref())?;
-    let title = args.input.file_stem().map_or_else(|| "sheen".into(), |stem| stem.to_string_lossy().into_owned());
-    let screenshot = args.screenshot.clone().map(|path| Screenshot { path, frames: args.frames });
+    let title = args.input.file_stem().map_or_else(
+        || "sheen".into(),
+        |stem| stem.to_string_lossy().into_owned(),
+    );
+    let screenshot = args.screenshot.clone().map(|path| Screenshot {
+        path,
+        frames: args.frames,
+    });
     match app::run(&title, Arc::clone(&solution), &camera, screenshot) {
         Ok(()) => Ok(()),
         Err(app::WindowError::NoWindow { reason }) => {

@@ -73,7 +73,11 @@ pub struct Comparison {
 
 // JSON has no infinity and no NaN.
 fn number_or_text<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.collect_str(value) }
+    if value.is_finite() {
+        serializer.serialize_f64(*value)
+    } else {
+        serializer.collect_str(value)
+    }
 }
 
 impl Comparison {
@@ -116,11 +120,21 @@ pub fn compare(
             return Err(CompareError::NotFinite { which, count });
         }
     }
-    let (width, height) = (test.width / downsample.max(1), test.height / downsample.max(1));
+    let (width, height) = (
+        test.width / downsample.max(1),
+        test.height / downsample.max(1),
+    );
     if width == 0 || height == 0 {
-        return Err(CompareError::TooSmall { width: test.width, height: test.height, factor: downsample });
+        return Err(CompareError::TooSmall {
+            width: test.width,
+            height: test.height,
+            factor: downsample,
+        });
     }
-    let (test, reference) = (block_means(test, downsample.max(1)), block_means(reference, downsample.max(1)));
+    let (test, reference) = (
+        block_means(test, downsample.max(1)),
+        block_means(reference, downsample.max(1)),
+    );
     Ok(score(&test, &reference, width, height, exposure))
 }
 
@@ -165,7 +179,13 @@ fn score(
         .map(|(t, r)| {
             let square = squares(t, r);
             // Two black pixels of a black reference agree.
-            let part = |i: usize| if square[i] == 0.0 { 0.0 } else { square[i] / (r[i] * r[i] + floor) };
+            let part = |i: usize| {
+                if square[i] == 0.0 {
+                    0.0
+                } else {
+                    square[i] / (r[i] * r[i] + floor)
+                }
+            };
             (part(0) + part(1) + part(2)) / 3.0
         })
         .collect();
@@ -173,17 +193,30 @@ fn score(
     relative.sort_unstable_by(f64::total_cmp);
     let kept = ((KEPT * count) as usize).max(1);
     let exposure = exposure.unwrap_or_else(|| {
-        let rgb: Vec<Rgb> = reference.iter().map(|p| Rgb::from(p.map(|c| c as f32))).collect();
+        let rgb: Vec<Rgb> = reference
+            .iter()
+            .map(|p| Rgb::from(p.map(|c| c as f32)))
+            .collect();
         tonemap::default_exposure(&rgb)
     });
     let display = |p: &[f64; 3]| p.map(|c| tonemap::srgb(c * exposure));
     let shown_test: Vec<[f64; 3]> = test.iter().map(display).collect();
     let shown_reference: Vec<[f64; 3]> = reference.iter().map(display).collect();
     let mean_square = |a: &[[f64; 3]], b: &[[f64; 3]]| {
-        a.iter().zip(b).map(|(t, r)| squares(t, r).iter().sum::<f64>()).sum::<f64>() / (3.0 * count)
+        a.iter()
+            .zip(b)
+            .map(|(t, r)| squares(t, r).iter().sum::<f64>())
+            .sum::<f64>()
+            / (3.0 * count)
     };
     let shown_error = mean_square(&shown_test, &shown_reference);
-    let flip_map = flip::ldr(&shown_reference, &shown_test, width as usize, height as usize, flip::DEFAULT_PPD);
+    let flip_map = flip::ldr(
+        &shown_reference,
+        &shown_test,
+        width as usize,
+        height as usize,
+        flip::DEFAULT_PPD,
+    );
     Comparison {
         rmse: mean_square(test, reference).sqrt(),
         relmse,

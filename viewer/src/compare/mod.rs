@@ -4,4 +4,4 @@ pub mod flip;
 pub mod heatmap;
 pub mod metrics;
 
-pub use metrics::{Comparison, CompareError, compare};
+pub use metrics::{CompareError, Comparison, compare};

@@ -72,13 +72,20 @@ impl Gpu {
             force_fallback_adapter: false,
             ..wgpu::RequestAdapterOptions::default()
         };
-        let adapter = instance
-            .request_adapter(&options)
+        let adapter =
+            instance
+                .request_adapter(&options)
+                .await
+                .map_err(|error| GpuError::NoAdapter {
+                    reason: one_line(&error.to_string()),
+                })?;
+        let (device, queue) = adapter
+            .request_device(&device_descriptor(&adapter))
             .await
-            .map_err(|error| GpuError::NoAdapter { reason: one_line(&error.to_string()) })?;
-        let (device, queue) = adapter.request_device(&device_descriptor(&adapter)).await.map_err(|error| {
-            GpuError::NoDevice { adapter: adapter.get_info().name, reason: one_line(&error.to_string()) }
-        })?;
+            .map_err(|error| GpuError::NoDevice {
+                adapter: adapter.get_info().name,
+                reason: one_line(&error.to_string()),
+            })?;
         Ok(Self::from_device(device, queue, adapter.get_info()))
     }
 
@@ -92,7 +99,12 @@ impl Gpu {
                 slot.get_or_insert_with(|| one_line(&error.to_string()));
             }
         }));
-        Self { device, queue, info, fault }
+        Self {
+            device,
+            queue,
+            info,
+            fault,
+        }
     }
 
     /// The first fault since the last call, if any.
@@ -109,11 +121,25 @@ impl Gpu {
     }
 
     /// A buffer that holds `data`; never empty, so that it can always be bound.
-    pub fn buffer<T: bytemuck::Pod>(&self, label: &str, data: &[T], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    pub fn buffer<T: bytemuck::Pod>(
+        &self,
+        label: &str,
+        data: &[T],
+        usage: wgpu::BufferUsages,
+    ) -> wgpu::Buffer {
         use wgpu::util::DeviceExt;
         let zeros = vec![0u8; std::mem::size_of::<T>().max(16)];
-        let contents = if data.is_empty() { &zeros } else { bytemuck::cast_slice(data) };
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+        let contents = if data.is_empty() {
+            &zeros
+        } else {
+            bytemuck::cast_slice(data)
+        };
+        self.device
+            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage,
+            })
     }
 }
 

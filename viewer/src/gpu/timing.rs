@@ -21,7 +21,11 @@ pub struct FrameTimer {
 impl FrameTimer {
     /// `None` where the device has no timestamp queries.
     pub fn new(gpu: &Gpu) -> Option<Self> {
-        if !gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+        if !gpu
+            .device
+            .features()
+            .contains(wgpu::Features::TIMESTAMP_QUERY)
+        {
             return None;
         }
         let buffer = |label, usage| {
@@ -38,8 +42,14 @@ impl FrameTimer {
                 ty: wgpu::QueryType::Timestamp,
                 count: 2,
             }),
-            resolved: buffer("frame ticks", wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
-            mapped: buffer("frame ticks read", wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ),
+            resolved: buffer(
+                "frame ticks",
+                wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            ),
+            mapped: buffer(
+                "frame ticks read",
+                wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            ),
             state: Arc::new(AtomicU8::new(IDLE)),
             nanoseconds_per_tick: gpu.queue.get_timestamp_period(),
         })
@@ -77,16 +87,20 @@ impl FrameTimer {
             IDLE => {
                 self.state.store(MAPPING, Ordering::Release);
                 let state = Arc::clone(&self.state);
-                self.mapped.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-                    state.store(if result.is_ok() { READY } else { IDLE }, Ordering::Release);
-                });
+                self.mapped
+                    .slice(..)
+                    .map_async(wgpu::MapMode::Read, move |result| {
+                        state.store(if result.is_ok() { READY } else { IDLE }, Ordering::Release);
+                    });
                 None
             }
             READY => {
                 let bytes = self.mapped.slice(..).get_mapped_range().ok()?.to_vec();
                 self.mapped.unmap();
                 self.state.store(IDLE, Ordering::Release);
-                let tick = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap_or_default());
+                let tick = |at: usize| {
+                    u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap_or_default())
+                };
                 let ticks = tick(8).saturating_sub(tick(0));
                 Some(ticks as f64 * f64::from(self.nanoseconds_per_tick) * 1e-9)
             }

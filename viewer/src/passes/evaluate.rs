@@ -18,27 +18,33 @@ impl Evaluate {
     pub fn new(gpu: &Gpu, frame: &FrameGroup) -> Self {
         let stage = wgpu::ShaderStages::COMPUTE;
         let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only });
-        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("evaluate"),
-            entries: &[
-                entry(0, stage, storage(true)),
-                entry(1, stage, storage(true)),
-                entry(2, stage, storage(false)),
-            ],
-        });
-        let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("evaluate"),
-            bind_group_layouts: &[Some(&frame.layout), Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("evaluate"),
-            layout: Some(&pipeline_layout),
-            module: &shaders::EVALUATE.module(&gpu.device),
-            entry_point: Some("evaluate"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
+        let layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("evaluate"),
+                entries: &[
+                    entry(0, stage, storage(true)),
+                    entry(1, stage, storage(true)),
+                    entry(2, stage, storage(false)),
+                ],
+            });
+        let pipeline_layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("evaluate"),
+                bind_group_layouts: &[Some(&frame.layout), Some(&layout)],
+                immediate_size: 0,
+            });
+        let pipeline = gpu
+            .device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("evaluate"),
+                layout: Some(&pipeline_layout),
+                module: &shaders::EVALUATE.module(&gpu.device),
+                entry_point: Some("evaluate"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
         Self { pipeline, layout }
     }
 
@@ -50,7 +56,8 @@ impl Evaluate {
         words: &wgpu::Buffer,
         colours: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        let [glossy, words, colours] = [glossy, words, colours].map(wgpu::Buffer::as_entire_binding);
+        let [glossy, words, colours] =
+            [glossy, words, colours].map(wgpu::Buffer::as_entire_binding);
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("evaluate"),

@@ -35,8 +35,15 @@ pub struct VertexList {
     pub count: u32,
 }
 
-fn vertex_buffer<'a>(stride: u64, attributes: &'a [wgpu::VertexAttribute]) -> Option<wgpu::VertexBufferLayout<'a>> {
-    Some(wgpu::VertexBufferLayout { array_stride: stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
+fn vertex_buffer<'a>(
+    stride: u64,
+    attributes: &'a [wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'a>> {
+    Some(wgpu::VertexBufferLayout {
+        array_stride: stride,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes,
+    })
 }
 
 struct Plan<'a> {
@@ -50,43 +57,46 @@ struct Plan<'a> {
 
 fn pipeline(gpu: &Gpu, frame: &FrameGroup, plan: &Plan<'_>) -> wgpu::RenderPipeline {
     let module = plan.shader.module(&gpu.device);
-    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(plan.shader.label),
-        bind_group_layouts: &[Some(&frame.layout)],
-        immediate_size: 0,
-    });
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(plan.shader.label),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: plan.buffers,
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: plan.topology,
-            front_face: wgpu::FrontFace::Ccw,
-            cull_mode: plan.cull,
-            ..wgpu::PrimitiveState::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(plan.writes_depth),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(plan.target.clone())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    let layout = gpu
+        .device
+        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(plan.shader.label),
+            bind_group_layouts: &[Some(&frame.layout)],
+            immediate_size: 0,
+        });
+    gpu.device
+        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(plan.shader.label),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: plan.buffers,
+            },
+            primitive: wgpu::PrimitiveState {
+                topology: plan.topology,
+                front_face: wgpu::FrontFace::Ccw,
+                cull_mode: plan.cull,
+                ..wgpu::PrimitiveState::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(plan.writes_depth),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(plan.target.clone())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
 }
 
 impl Geometry {
@@ -100,7 +110,10 @@ impl Geometry {
         };
         let tint = wgpu::ColorTargetState {
             format: TINT_FORMAT,
-            blend: Some(wgpu::BlendState { color: multiply, alpha: multiply }),
+            blend: Some(wgpu::BlendState {
+                color: multiply,
+                alpha: multiply,
+            }),
             write_mask: wgpu::ColorWrites::ALL,
         };
         let position = wgpu::vertex_attr_array![0 => Float32x3];
@@ -161,7 +174,10 @@ impl Geometry {
                 view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(clear),
+                    store: wgpu::StoreOp::Store,
+                },
             })
         };
         {

@@ -35,42 +35,47 @@ impl Resolve {
             multisampled: false,
         };
         let stage = wgpu::ShaderStages::FRAGMENT;
-        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("resolve"),
-            entries: &[
-                entry(0, stage, buffer(wgpu::BufferBindingType::Uniform)),
-                entry(1, stage, texture),
-                entry(2, stage, texture),
-            ],
-        });
-        let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("resolve"),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
+        let layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("resolve"),
+                entries: &[
+                    entry(0, stage, buffer(wgpu::BufferBindingType::Uniform)),
+                    entry(1, stage, texture),
+                    entry(2, stage, texture),
+                ],
+            });
+        let pipeline_layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("resolve"),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            });
         let module = shaders::RESOLVE.module(&gpu.device);
         let pipeline = |entry_point, format: wgpu::TextureFormat| {
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("resolve"),
-                layout: Some(&pipeline_layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("vertex"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(format.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
+            gpu.device
+                .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                    label: Some("resolve"),
+                    layout: Some(&pipeline_layout),
+                    vertex: wgpu::VertexState {
+                        module: &module,
+                        entry_point: Some("vertex"),
+                        compilation_options: wgpu::PipelineCompilationOptions::default(),
+                        buffers: &[],
+                    },
+                    primitive: wgpu::PrimitiveState::default(),
+                    depth_stencil: None,
+                    multisample: wgpu::MultisampleState::default(),
+                    fragment: Some(wgpu::FragmentState {
+                        module: &module,
+                        entry_point: Some(entry_point),
+                        compilation_options: wgpu::PipelineCompilationOptions::default(),
+                        targets: &[Some(format.into())],
+                    }),
+                    multiview_mask: None,
+                    cache: None,
+                })
         };
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         Self {
@@ -83,12 +88,18 @@ impl Resolve {
 
     /// Binds the samples.
     pub fn bind(&self, gpu: &Gpu, targets: &Targets) -> wgpu::BindGroup {
-        let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
+        let view = |binding, view| wgpu::BindGroupEntry {
+            binding,
+            resource: wgpu::BindingResource::TextureView(view),
+        };
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("resolve"),
             layout: &self.layout,
             entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: self.uniforms.as_entire_binding() },
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: self.uniforms.as_entire_binding(),
+                },
                 view(1, &targets.radiance),
                 view(2, &targets.tint),
             ],
@@ -97,7 +108,8 @@ impl Resolve {
 
     /// Takes effect with the next submission.
     pub fn write(&self, gpu: &Gpu, uniforms: &ResolveUniforms) {
-        gpu.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
+        gpu.queue
+            .write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
     }
 
     /// Fills `target`.

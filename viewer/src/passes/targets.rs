@@ -25,7 +25,13 @@ pub struct Targets {
 }
 
 /// A texture that is drawn into and read afterwards.
-pub fn texture(gpu: &Gpu, label: &str, format: wgpu::TextureFormat, width: u32, height: u32) -> wgpu::Texture {
+pub fn texture(
+    gpu: &Gpu,
+    label: &str,
+    format: wgpu::TextureFormat,
+    width: u32,
+    height: u32,
+) -> wgpu::Texture {
     let read = match format {
         RADIANCE_FORMAT => wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
         DEPTH_FORMAT => wgpu::TextureUsages::empty(),
@@ -33,7 +39,11 @@ pub fn texture(gpu: &Gpu, label: &str, format: wgpu::TextureFormat, width: u32, 
     };
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -47,7 +57,8 @@ impl Targets {
     /// Targets of this many samples.
     pub fn new(gpu: &Gpu, width: u32, height: u32, has_glass: bool) -> Self {
         let view = |label, format, width, height| {
-            texture(gpu, label, format, width, height).create_view(&wgpu::TextureViewDescriptor::default())
+            texture(gpu, label, format, width, height)
+                .create_view(&wgpu::TextureViewDescriptor::default())
         };
         let (tint_width, tint_height) = if has_glass { (width, height) } else { (1, 1) };
         Self {

@@ -22,7 +22,11 @@ pub struct Limits {
 impl Default for Limits {
     /// Under 128 MiB for each storage binding, 256 MiB for each buffer, 65,535 workgroups of 64.
     fn default() -> Self {
-        Self { vertices: 4_000_000, words: 32 << 20, triangles: 20_000_000 }
+        Self {
+            vertices: 4_000_000,
+            words: 32 << 20,
+            triangles: 20_000_000,
+        }
     }
 }
 
@@ -73,9 +77,13 @@ pub fn cut(solution: &Solution, limits: Limits) -> Vec<Chunk> {
     let mut members: Vec<usize> = Vec::new();
     for corners in &solution.triangles {
         let corners = corners.map(|corner| corner as usize);
-        let new = corners.iter().enumerate().filter(|&(i, &v)| local[v] == ABSENT && !corners[..i].contains(&v));
-        let (vertices, words) =
-            new.fold((0, 0), |(vertices, words), (_, &vertex)| (vertices + 1, words + word_count(vertex)));
+        let new = corners
+            .iter()
+            .enumerate()
+            .filter(|&(i, &v)| local[v] == ABSENT && !corners[..i].contains(&v));
+        let (vertices, words) = new.fold((0, 0), |(vertices, words), (_, &vertex)| {
+            (vertices + 1, words + word_count(vertex))
+        });
         let full = chunk.positions.len() + vertices > limits.vertices
             || chunk.words.len() + words > limits.words
             || chunk.triangles.len() == limits.triangles;
@@ -108,11 +116,23 @@ fn add_vertex(chunk: &mut Chunk, solution: &Solution, vertex: usize, end: u32) {
     let is_glossy = offset != NO_DISTRIBUTION;
     if is_glossy {
         let (start, vertex) = (chunk.words.len() as u32, chunk.positions.len() as u32);
-        chunk.glossy.push(GlossyVertex { position, offset: start, radiance, vertex });
-        chunk.words.extend_from_slice(&solution.distribution_words[offset as usize..end as usize]);
+        chunk.glossy.push(GlossyVertex {
+            position,
+            offset: start,
+            radiance,
+            vertex,
+        });
+        chunk
+            .words
+            .extend_from_slice(&solution.distribution_words[offset as usize..end as usize]);
     }
     chunk.positions.push(position);
-    chunk.colours.push([radiance[0], radiance[1], radiance[2], f32::from(u8::from(is_glossy))]);
+    chunk.colours.push([
+        radiance[0],
+        radiance[1],
+        radiance[2],
+        f32::from(u8::from(is_glossy)),
+    ]);
 }
 
 /// Ends of the wireframe's lines, two a line: the edges of hierarchy elements.
@@ -125,7 +145,10 @@ pub fn wireframe(solution: &Solution) -> Vec<LineEnd> {
         let face_normal = edge(1).cross(edge(2)).to_array();
         for i in (0..3).filter(|i| edges >> i & 1 == 1) {
             for corner in [corners[i], corners[(i + 1) % 3]] {
-                ends.push(LineEnd { position: corner.to_array(), face_normal });
+                ends.push(LineEnd {
+                    position: corner.to_array(),
+                    face_normal,
+                });
             }
         }
     }

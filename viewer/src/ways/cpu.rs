@@ -3,11 +3,22 @@
 use crate::camera::View;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::ray::{Ray, RayHit};
-use obvhs::{BvhBuildParams, cwbvh::CwBvh, cwbvh::builder::build_cwbvh_from_tris, triangle::Triangle};
+use obvhs::{
+    BvhBuildParams, cwbvh::CwBvh, cwbvh::builder::build_cwbvh_from_tris, triangle::Triangle,
+};
 use rayon::prelude::*;
 use sheen_formats::image::Image;
 use sheen_solver::{Rgb, Solution};
 use std::time::Duration;
+
+/// Power of two that brings all of `points` within 1 of the origin: the tree's own checks have absolute tolerances.
+fn unit_scale<'a>(points: impl Iterator<Item = &'a Vec3>) -> f32 {
+    let largest = points.fold(0.0f32, |largest, point| {
+        largest.max(point.abs().max_element())
+    });
+    // The biased exponent of the reciprocal's power of two, kept where both it and its inverse are normal numbers.
+    f32::from_bits((253 - (largest.to_bits() >> 23).clamp(1, 252)) << 23)
+}
 
 /// Triangles in a tree.
 struct Surfaces {
@@ -35,17 +46,30 @@ fn cross(corners: [DVec3; 3], direction: DVec3) -> Option<Crossing> {
     let sum: f64 = volumes.iter().sum();
     let distance = a.dot(b.cross(c)) / sum;
     let is_ahead = sum != 0.0 && distance > 0.0;
-    is_ahead.then(|| Crossing { distance, weights: volumes.map(|v| v / sum), is_front })
+    is_ahead.then(|| Crossing {
+        distance,
+        weights: volumes.map(|v| v / sum),
+        is_front,
+    })
 }
 
 impl Surfaces {
     fn new(corners: Vec<[Vec3; 3]>) -> Self {
         let triangles: Vec<Triangle> = corners
             .iter()
-            .map(|&[a, b, c]| Triangle { v0: Vec3A::from(a), v1: Vec3A::from(b), v2: Vec3A::from(c) })
+            .map(|&[a, b, c]| Triangle {
+                v0: Vec3A::from(a),
+                v1: Vec3A::from(b),
+                v2: Vec3A::from(c),
+            })
             .collect();
-        let tree = (!triangles.is_empty())
-            .then(|| build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default()));
+        let tree = (!triangles.is_empty()).then(|| {
+            build_cwbvh_from_tris(
+                &triangles,
+                BvhBuildParams::medium_build(),
+                &mut Duration::default(),
+            )
+        });
         Self { corners, tree }
     }
 
@@ -75,7 +99,14 @@ impl Surfaces {
     }
 
     /// Calls `visit` for every triangle, of either side, between `near` and `far`.
-    fn each_between(&self, eye: Vec3, direction: DVec3, near: f64, far: f64, mut visit: impl FnMut(usize)) {
+    fn each_between(
+        &self,
+        eye: Vec3,
+        direction: DVec3,
+        near: f64,
+        far: f64,
+        mut visit: impl FnMut(usize),
+    ) {
         let Some(tree) = &self.tree else { return };
         let ray = Ray::new(eye.into(), direction.as_vec3a(), 0.0, f32::INFINITY);
         tree.ray_traverse_anyhit(ray, |_, slot| {
@@ -96,24 +127,47 @@ impl Surfaces {
 pub fn render(solution: &Solution, view: &View, across: u32) -> Image {
     let radiance: Vec<Rgb> = (0..solution.position.len())
         .into_par_iter()
-        .map(|vertex| solution.evaluate(vertex, (view.eye - solution.position[vertex]).normalize_or_zero()))
+        .map(|vertex| {
+            solution.evaluate(
+                vertex,
+                (view.eye - solution.position[vertex]).normalize_or_zero(),
+            )
+        })
         .collect();
-    let corners = solution.triangles.iter().map(|t| t.map(|v| solution.position[v as usize])).collect();
+    let clear = solution.glass_corners.as_flattened();
+    let scale = unit_scale(solution.position.iter().chain(clear).chain([&view.eye]));
+    let corners = solution
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| solution.position[v as usize] * scale))
+        .collect();
     let mesh = Surfaces::new(corners);
-    let glass = Surfaces::new(solution.glass_corners.clone());
+    let glass = Surfaces::new(
+        solution
+            .glass_corners
+            .iter()
+            .map(|t| t.map(|corner| corner * scale))
+            .collect(),
+    );
+    let eye = view.eye * scale;
     let sample = |x: f64, y: f64| {
         let direction = view.direction(x, y);
-        let near = view.near_along(direction);
-        let Some((triangle, crossing)) = mesh.nearest(view.eye, direction, near) else { return [0.0; 3] };
+        let near = view.near_along(direction) * f64::from(scale);
+        let Some((triangle, crossing)) = mesh.nearest(eye, direction, near) else {
+            return [0.0; 3];
+        };
         let mut sum = [0.0; 3];
         for (vertex, weight) in solution.triangles[triangle].iter().zip(crossing.weights) {
             for (channel, value) in sum.iter_mut().zip(radiance[*vertex as usize].to_array()) {
                 *channel += f64::from(value) * weight;
             }
         }
-        glass.each_between(view.eye, direction, near, crossing.distance, |index| {
+        glass.each_between(eye, direction, near, crossing.distance, |index| {
             let material = solution.glass_material[index] as usize;
-            for (channel, tint) in sum.iter_mut().zip(solution.materials[material].transmission.to_array()) {
+            for (channel, tint) in sum
+                .iter_mut()
+                .zip(solution.materials[material].transmission.to_array())
+            {
                 *channel *= f64::from(tint);
             }
         });
@@ -135,5 +189,9 @@ pub fn render(solution: &Solution, view: &View, across: u32) -> Image {
             Rgb::from(sum.map(|total: f64| (total * step * step) as f32))
         })
         .collect();
-    Image { width: view.width, height: view.height, pixels }
+    Image {
+        width: view.width,
+        height: view.height,
+        pixels,
+    }
 }

@@ -31,24 +31,40 @@ pub fn render(solution: &Solution, view: &View, across: u32, cpu: bool) -> Rende
         None
     } else {
         match on_gpu() {
-            Ok((image, device)) => return Rendered { image, device, fallback: None },
+            Ok((image, device)) => {
+                return Rendered {
+                    image,
+                    device,
+                    fallback: None,
+                };
+            }
             Err(error) => Some(error.to_string()),
         }
     };
-    Rendered { image: cpu::render(solution, view, across), device: "the processor".to_owned(), fallback }
+    Rendered {
+        image: cpu::render(solution, view, across),
+        device: "the processor".to_owned(),
+        fallback,
+    }
 }
 
 /// Smallest square number of samples per pixel that is at least `samples`, as its root.
 pub fn samples_across(samples: u32) -> u32 {
     let root = samples.isqrt();
-    if root * root >= samples { root.max(1) } else { root + 1 }
+    if root * root >= samples {
+        root.max(1)
+    } else {
+        root + 1
+    }
 }
 
 #[cfg(test)]
 mod tests {
     #[test]
     fn samples_form_squares() {
-        let across: Vec<u32> = [0, 1, 2, 4, 5, 16, 17, 64].map(super::samples_across).to_vec();
+        let across: Vec<u32> = [0, 1, 2, 4, 5, 16, 17, 64]
+            .map(super::samples_across)
+            .to_vec();
         assert_eq!(across, [1, 1, 2, 2, 3, 4, 5, 8]);
     }
 }

@@ -52,7 +52,10 @@ pub struct SolutionRenderer {
 fn lists<T: bytemuck::Pod>(gpu: &Gpu, label: &str, vertices: &[T]) -> Vec<VertexList> {
     vertices
         .chunks(LIST_VERTICES)
-        .map(|part| VertexList { buffer: gpu.buffer(label, part, BufferUsages::VERTEX), count: part.len() as u32 })
+        .map(|part| VertexList {
+            buffer: gpu.buffer(label, part, BufferUsages::VERTEX),
+            count: part.len() as u32,
+        })
         .collect()
 }
 
@@ -66,14 +69,26 @@ impl SolutionRenderer {
             .map(|chunk| {
                 let mesh = MeshBuffers {
                     positions: gpu.buffer("positions", &chunk.positions, BufferUsages::VERTEX),
-                    colours: gpu.buffer("colours", &chunk.colours, BufferUsages::VERTEX | BufferUsages::STORAGE),
-                    indices: gpu.buffer("triangles", chunk.triangles.as_flattened(), BufferUsages::INDEX),
+                    colours: gpu.buffer(
+                        "colours",
+                        &chunk.colours,
+                        BufferUsages::VERTEX | BufferUsages::STORAGE,
+                    ),
+                    indices: gpu.buffer(
+                        "triangles",
+                        chunk.triangles.as_flattened(),
+                        BufferUsages::INDEX,
+                    ),
                     index_count: 3 * chunk.triangles.len() as u32,
                 };
                 let glossy = gpu.buffer("glossy vertices", &chunk.glossy, BufferUsages::STORAGE);
                 let words = gpu.buffer("distributions", &chunk.words, BufferUsages::STORAGE);
                 let evaluation = evaluate.bind(gpu, &glossy, &words, &mesh.colours);
-                Part { mesh, evaluation, glossy_count: chunk.glossy.len() as u32 }
+                Part {
+                    mesh,
+                    evaluation,
+                    glossy_count: chunk.glossy.len() as u32,
+                }
             })
             .collect();
         let corners: Vec<GlassCorner> = solution
@@ -81,8 +96,13 @@ impl SolutionRenderer {
             .iter()
             .zip(&solution.glass_material)
             .flat_map(|(corners, &material)| {
-                let tint = solution.materials[material as usize].transmission.to_array();
-                corners.map(|corner| GlassCorner { position: corner.to_array(), tint })
+                let tint = solution.materials[material as usize]
+                    .transmission
+                    .to_array();
+                corners.map(|corner| GlassCorner {
+                    position: corner.to_array(),
+                    tint,
+                })
             })
             .collect();
         let renderer = Self {
@@ -124,14 +144,28 @@ impl SolutionRenderer {
     }
 
     fn record_evaluation(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&FrameTimer>) {
-        let chunks = self.parts.iter().map(|part| (&part.evaluation, part.glossy_count));
-        self.evaluate.record(encoder, &self.frame, chunks, timer.map(FrameTimer::begin));
+        let chunks = self
+            .parts
+            .iter()
+            .map(|part| (&part.evaluation, part.glossy_count));
+        self.evaluate
+            .record(encoder, &self.frame, chunks, timer.map(FrameTimer::begin));
     }
 
-    fn record_geometry(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, overlay: Overlay) {
+    fn record_geometry(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        overlay: Overlay,
+    ) {
         let mesh: Vec<&MeshBuffers> = self.parts.iter().map(|part| &part.mesh).collect();
-        let lines = self.lines.as_deref().filter(|_| overlay.wireframe).unwrap_or_default();
-        self.geometry.record(encoder, &self.frame, targets, &mesh, lines, &self.glass);
+        let lines = self
+            .lines
+            .as_deref()
+            .filter(|_| overlay.wireframe)
+            .unwrap_or_default();
+        self.geometry
+            .record(encoder, &self.frame, targets, &mesh, lines, &self.glass);
     }
 
     /// Renders `view` off-screen; a pixel is the mean over `across` × `across` samples at the middles of its cells.
@@ -145,25 +179,47 @@ impl SolutionRenderer {
             self.has_glass(),
         );
         let samples = self.resolve.bind(gpu, &targets);
-        let pixels = texture(gpu, "pixels", RADIANCE_FORMAT, tile_size.min(width), tile_size.min(height));
+        let pixels = texture(
+            gpu,
+            "pixels",
+            RADIANCE_FORMAT,
+            tile_size.min(width),
+            tile_size.min(height),
+        );
         let target = pixels.create_view(&wgpu::TextureViewDescriptor::default());
         let has_glass = u32::from(self.has_glass());
-        self.resolve.write(gpu, &ResolveUniforms { samples: across, has_glass, exposure: 1.0, padding: 0 });
+        self.resolve.write(
+            gpu,
+            &ResolveUniforms {
+                samples: across,
+                has_glass,
+                exposure: 1.0,
+                padding: 0,
+            },
+        );
         let mut image = vec![sheen_solver::Rgb::BLACK; width as usize * height as usize];
         let mut is_evaluated = false;
         for y in (0..height).step_by(tile_size as usize) {
             for x in (0..width).step_by(tile_size as usize) {
                 // Tiles at the border keep their size, so that every tile is scaled alike.
-                let tile = Tile { x, y, width: tile_size.min(width), height: tile_size.min(height) };
+                let tile = Tile {
+                    x,
+                    y,
+                    width: tile_size.min(width),
+                    height: tile_size.min(height),
+                };
                 self.write_frame(gpu, view, tile, Overlay::default());
-                let descriptor = wgpu::CommandEncoderDescriptor { label: Some("tile") };
+                let descriptor = wgpu::CommandEncoderDescriptor {
+                    label: Some("tile"),
+                };
                 let mut encoder = gpu.device.create_command_encoder(&descriptor);
                 if !is_evaluated {
                     self.record_evaluation(&mut encoder, None);
                     is_evaluated = true;
                 }
                 self.record_geometry(&mut encoder, &targets, Overlay::default());
-                self.resolve.record(&mut encoder, &samples, &target, Output::Linear, None);
+                self.resolve
+                    .record(&mut encoder, &samples, &target, Output::Linear, None);
                 gpu.queue.submit([encoder.finish()]);
                 let (columns, rows) = (tile.width.min(width - x), tile.height.min(height - y));
                 let read = readback::read_rgb(gpu, &pixels, columns, rows)?;
@@ -173,11 +229,21 @@ impl SolutionRenderer {
                 }
             }
         }
-        Ok(Image { width, height, pixels: image })
+        Ok(Image {
+            width,
+            height,
+            pixels: image,
+        })
     }
 
     /// Draws one frame of the window into `target` and submits it.
-    pub fn draw(&self, gpu: &Gpu, window: &WindowTargets, view: &View, settings: &DrawSettings<'_>) {
+    pub fn draw(
+        &self,
+        gpu: &Gpu,
+        window: &WindowTargets,
+        view: &View,
+        settings: &DrawSettings<'_>,
+    ) {
         self.write_frame(gpu, view, view.whole(), settings.overlay);
         self.resolve.write(
             gpu,
@@ -188,11 +254,21 @@ impl SolutionRenderer {
                 padding: 0,
             },
         );
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("frame"),
+            });
         self.record_evaluation(&mut encoder, settings.timer);
         self.record_geometry(&mut encoder, &window.targets, settings.overlay);
         let timestamps = settings.timer.map(FrameTimer::end);
-        self.resolve.record(&mut encoder, &window.samples, &window.display, Output::Display, timestamps);
+        self.resolve.record(
+            &mut encoder,
+            &window.samples,
+            &window.display,
+            Output::Display,
+            timestamps,
+        );
         if let Some(timer) = settings.timer {
             timer.resolve(&mut encoder);
         }
@@ -202,7 +278,13 @@ impl SolutionRenderer {
     /// Targets for a window's panel of this size.
     pub fn window_targets(&self, gpu: &Gpu, width: u32, height: u32, across: u32) -> WindowTargets {
         let targets = Targets::new(gpu, width * across, height * across, self.has_glass());
-        let display = texture(gpu, "panel", crate::passes::resolve::DISPLAY_FORMAT, width, height);
+        let display = texture(
+            gpu,
+            "panel",
+            crate::passes::resolve::DISPLAY_FORMAT,
+            width,
+            height,
+        );
         WindowTargets {
             width,
             height,

@@ -13,7 +13,10 @@ pub(crate) fn gpu(test: &str) -> Option<Gpu> {
     match Gpu::headless() {
         Ok(gpu) => Some(gpu),
         Err(error) => {
-            assert!(std::env::var_os("SHEEN_REQUIRE_GPU").is_none_or(|v| v != "1"), "{test}: {error}");
+            assert!(
+                std::env::var_os("SHEEN_REQUIRE_GPU").is_none_or(|v| v != "1"),
+                "{test}: {error}"
+            );
             eprintln!("\n######## SKIPPED: {test}: {error} ########\n");
             None
         }
@@ -21,7 +24,12 @@ pub(crate) fn gpu(test: &str) -> Option<Gpu> {
 }
 
 /// Packs `radiance` into a full tree of this level; faces below the horizon of `normal` stay black.
-pub(crate) fn pack(level: usize, normal: Vec3, scale: f32, radiance: &dyn Fn(Vec3) -> Rgb) -> Vec<u32> {
+pub(crate) fn pack(
+    level: usize,
+    normal: Vec3,
+    scale: f32,
+    radiance: &dyn Fn(Vec3) -> Rgb,
+) -> Vec<u32> {
     struct Packer<'a> {
         words: Vec<u32>,
         level: usize,
@@ -36,14 +44,18 @@ pub(crate) fn pack(level: usize, normal: Vec3, scale: f32, radiance: &dyn Fn(Vec
             }
             let position = self.words.len();
             if depth == self.level {
-                let colours = corners.map(|corner| packed::encode((self.radiance)(corner) / self.scale));
+                let colours =
+                    corners.map(|corner| packed::encode((self.radiance)(corner) / self.scale));
                 self.words.extend(colours);
                 return position as u32 | packed::LEAF;
             }
             self.words.extend([0; 4]);
             let midpoints = octahedron::edge_midpoints(corners);
             for child in 0..4 {
-                let node = self.node(octahedron::child_corners(corners, midpoints, child), depth + 1);
+                let node = self.node(
+                    octahedron::child_corners(corners, midpoints, child),
+                    depth + 1,
+                );
                 self.words[position + child] = node;
             }
             position as u32
@@ -52,7 +64,13 @@ pub(crate) fn pack(level: usize, normal: Vec3, scale: f32, radiance: &dyn Fn(Vec
     assert_eq!(scale.to_bits() & 0x007f_ffff, 0, "a power of two");
     let mut words = vec![0; 9];
     words[0] = scale.to_bits();
-    let mut packer = Packer { words, level, normal, scale, radiance };
+    let mut packer = Packer {
+        words,
+        level,
+        normal,
+        scale,
+        radiance,
+    };
     for octant in 0..8 {
         let node = packer.node(octahedron::octant_corners(octant), 0);
         packer.words[1 + octant] = node;
@@ -67,8 +85,19 @@ pub(crate) fn lobe(axis: Vec3, exponent: i32, colour: Rgb) -> impl Fn(Vec3) -> R
 }
 
 fn material(name: &str, is_glossy: bool, transmission: Rgb) -> Material {
-    let gloss = if is_glossy { Gloss::Phong { specular: Rgb::splat(0.3), exponent: 40.0 } } else { Gloss::None };
-    Material { gloss, transmission, ..Material::lambert(name, Rgb::splat(0.4)) }
+    let gloss = if is_glossy {
+        Gloss::Phong {
+            specular: Rgb::splat(0.3),
+            exponent: 40.0,
+        }
+    } else {
+        Gloss::None
+    };
+    Material {
+        gloss,
+        transmission,
+        ..Material::lambert(name, Rgb::splat(0.4))
+    }
 }
 
 /// An empty solution with materials matt, glossy, lamp and glass, and one camera.
@@ -139,24 +168,49 @@ pub(crate) fn room() -> Solution {
     let floor = move |position: Vec3| {
         let incoming = (lamp - position).normalize();
         let mirrored = Vec3::new(-incoming.x, incoming.y, -incoming.z);
-        pack(3, Vec3::Y, 8.0, &lobe(mirrored, 12, Rgb::new(3.0, 2.5, 1.5)))
+        pack(
+            3,
+            Vec3::Y,
+            8.0,
+            &lobe(mirrored, 12, Rgb::new(3.0, 2.5, 1.5)),
+        )
     };
-    let falloff = move |position: Vec3| Rgb::new(0.5, 0.4, 0.6) * (1.0 / (0.5 + position.distance_squared(lamp)));
+    let falloff = move |position: Vec3| {
+        Rgb::new(0.5, 0.4, 0.6) * (1.0 / (0.5 + position.distance_squared(lamp)))
+    };
     let floor_at = (Vec3::new(-2.0, 0.0, 2.0), Vec3::X * 4.0, Vec3::NEG_Z * 4.0);
     add_grid(&mut s, floor_at, 12, 1, &falloff, Some(&floor));
     let wall_at = (Vec3::new(-2.0, 0.0, -2.0), Vec3::X * 4.0, Vec3::Y * 2.5);
     add_grid(&mut s, wall_at, 8, 0, &falloff, None);
-    let lamp_at = (lamp + Vec3::new(-0.3, 0.0, -0.3), Vec3::X * 0.6, Vec3::Z * 0.6);
+    let lamp_at = (
+        lamp + Vec3::new(-0.3, 0.0, -0.3),
+        Vec3::X * 0.6,
+        Vec3::Z * 0.6,
+    );
     add_grid(&mut s, lamp_at, 1, 2, &|_| Rgb::new(20.0, 18.0, 15.0), None);
     // A tilted panel that casts a silhouette on the floor, glossy too, seen from both sides: twice in the mesh.
     let (u, v) = (Vec3::new(0.8, 0.1, 0.3), Vec3::new(-0.1, 0.9, 0.1));
     let corner = Vec3::new(-1.2, 0.2, -0.4);
     let panel = |normal: Vec3| {
-        move |position: Vec3| pack(2, normal, 1.0, &lobe(normal, 3, Rgb::new(0.3, 0.6, 0.9) * (1.0 + position.y)))
+        move |position: Vec3| {
+            pack(
+                2,
+                normal,
+                1.0,
+                &lobe(normal, 3, Rgb::new(0.3, 0.6, 0.9) * (1.0 + position.y)),
+            )
+        }
     };
     let normal = u.cross(v).normalize();
     add_grid(&mut s, (corner, u, v), 3, 1, &falloff, Some(&panel(normal)));
-    add_grid(&mut s, (corner, v, u), 3, 1, &|_| Rgb::new(0.1, 0.02, 0.02), Some(&panel(-normal)));
+    add_grid(
+        &mut s,
+        (corner, v, u),
+        3,
+        1,
+        &|_| Rgb::new(0.1, 0.02, 0.02),
+        Some(&panel(-normal)),
+    );
     let (a, b) = (Vec3::new(0.3, 0.1, 0.9), Vec3::new(1.3, 0.1, 0.5));
     let up = Vec3::Y * 1.2;
     s.glass_corners = vec![[a, b, b + up], [a, b + up, a + up]];
@@ -169,6 +223,13 @@ pub(crate) fn display_differences(a: &Image, b: &Image) -> Vec<u8> {
     assert_eq!((a.width, a.height), (b.width, b.height));
     let exposure = sheen_viewer::tonemap::default_exposure(&a.pixels);
     let bytes = |image: &Image| sheen_viewer::tonemap::display_bytes(&image.pixels, exposure);
-    let differences: Vec<u8> = bytes(a).iter().zip(bytes(b)).map(|(x, y)| x.abs_diff(y)).collect();
-    differences.chunks_exact(3).map(|pixel| pixel.iter().copied().max().unwrap_or(0)).collect()
+    let differences: Vec<u8> = bytes(a)
+        .iter()
+        .zip(bytes(b))
+        .map(|(x, y)| x.abs_diff(y))
+        .collect();
+    differences
+        .chunks_exact(3)
+        .map(|pixel| pixel.iter().copied().max().unwrap_or(0))
+        .collect()
 }

@@ -1,0 +1,240 @@
+//! The program as a person types it: exit status, messages, files.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn sheen(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sheen"))
+        .current_dir(folder)
+        .args(arguments)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// What the program says itself: the graphics driver may add lines of its own.
+fn messages(output: &Output) -> Vec<String> {
+    text(&output.stderr)
+        .lines()
+        .filter(|line| line.starts_with("sheen: "))
+        .map(str::to_owned)
+        .collect()
+}
+
+fn folder_with_room() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    sheen_formats::solution::write(&folder.path().join("room.sheen"), &common::room()).unwrap();
+    folder
+}
+
+#[test]
+fn usage_errors_exit_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        &[][..],
+        &["frobnicate"],
+        &["solve", "a.obj"],
+        &["solve", "a.obj", "-o", "a.sheen", "--quality", "splendid"],
+        &["solve", "a.obj", "-o", "a.sheen", "--levels", "9"],
+        &["render", "a.sheen", "-o", "a.jpg"],
+        &["render", "a.sheen", "-o", "a.png", "--eye", "1,2"],
+        &["render", "a.sheen", "-o", "a.png", "--eye", "1,2,3"],
+        &[
+            "render", "a.sheen", "-o", "a.png", "--camera", "x", "--eye", "1,2,3", "--target",
+            "0,0,0",
+        ],
+        &["render", "a.sheen", "-o", "a.png", "--way", "magic"],
+        &["render", "a.sheen", "-o", "a.png", "--size", "640"],
+        &["compare", "a.exr"],
+    ] {
+        let output = sheen(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(!output.stderr.is_empty());
+    }
+}
+
+#[test]
+fn bad_input_is_one_line_and_exits_with_1() {
+    let folder = folder_with_room();
+    std::fs::write(folder.path().join("broken.sheen"), b"not a solution").unwrap();
+    let cases: [(&[&str], &str); 8] = [
+        (&["info", "missing.sheen"], "missing.sheen"),
+        (&["info", "broken.sheen"], "broken.sheen"),
+        (
+            &["render", "room.sheen", "-o", "nowhere/a.png"],
+            "nowhere: no such folder",
+        ),
+        (
+            &["render", "room.sheen", "-o", "a.png", "--camera", "back"],
+            "expected one of: front",
+        ),
+        (
+            &[
+                "render",
+                "room.sheen",
+                "-o",
+                "a.png",
+                "--eye",
+                "1,2,3",
+                "--target",
+                "1,2,3",
+            ],
+            "same point",
+        ),
+        (&["compare", "missing.exr", "missing.exr"], "missing.exr"),
+        (&["walk", "missing.sheen"], "missing.sheen"),
+        (&["solve", "room.obj", "-o", "room.txt"], "ends in .sheen"),
+    ];
+    for (arguments, expected) in cases {
+        let output = sheen(folder.path(), arguments);
+        let messages = messages(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {messages:?}");
+        assert!(
+            messages.len() == 1 && messages[0].contains(expected),
+            "{arguments:?}: {messages:?}"
+        );
+        assert!(output.stdout.is_empty());
+    }
+    // Nothing half-written, no probe of the output folder.
+    let mut names: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|e| e.unwrap().file_name())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["broken.sheen", "room.sheen"]);
+}
+
+#[test]
+fn a_solution_is_described() {
+    let folder = folder_with_room();
+    let output = sheen(folder.path(), &["info", "room.sheen"]);
+    assert!(output.status.success());
+    let lines = text(&output.stdout);
+    for expected in [
+        "  glossy         201",
+        "'glass': 2 triangles",
+        "'front': 160x120",
+        "emits (20.0000",
+        "solve.links",
+    ] {
+        assert!(lines.contains(expected), "{expected} in\n{lines}");
+    }
+}
+
+#[test]
+fn the_processor_renders_what_the_device_renders() {
+    let folder = folder_with_room();
+    let output = sheen(folder.path(), &["render", "room.sheen", "-o", "device.exr"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let output = sheen(
+        folder.path(),
+        &["render", "room.sheen", "-o", "processor.exr", "--cpu"],
+    );
+    assert!(text(&output.stdout).contains("160x120, camera 'front', on the processor"));
+    let compare = [
+        "compare",
+        "device.exr",
+        "processor.exr",
+        "--json",
+        "--heatmap",
+        "map.png",
+    ];
+    let output = sheen(folder.path(), &compare);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let figures: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(
+        (figures["mean_ratio"].as_f64().unwrap() - 1.0).abs() < 1e-4,
+        "{figures}"
+    );
+    assert!(figures["flip"].as_f64().unwrap() < 1e-3, "{figures}");
+    let map = image::open(folder.path().join("map.png")).unwrap();
+    assert_eq!((map.width(), map.height()), (160, 120));
+}
+
+#[test]
+fn a_camera_from_the_command_line_and_a_picture() {
+    let folder = folder_with_room();
+    let arguments = [
+        "render",
+        "room.sheen",
+        "-o",
+        "a.png",
+        "--eye",
+        "-1,1,3",
+        "--target",
+        "0,0.5,0",
+        "--size",
+        "40x30",
+    ];
+    let output = sheen(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
+    assert_eq!(picture.dimensions(), (40, 30));
+    assert!(picture.pixels().any(|p| p.0.iter().any(|&c| c > 200)));
+}
+
+#[test]
+fn without_a_display_walking_leaves_a_picture() {
+    let folder = folder_with_room();
+    let output = sheen(folder.path(), &["walk", "room.sheen"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let messages = messages(&output);
+    assert!(
+        messages
+            .iter()
+            .any(|line| line.contains("no display") && line.contains("room.png")),
+        "{messages:?}"
+    );
+    assert!(image::open(folder.path().join("room.png")).is_ok());
+}
+
+#[test]
+fn a_display_that_does_not_answer_is_no_panic() {
+    let folder = folder_with_room();
+    let output = Command::new(env!("CARGO_BIN_EXE_sheen"))
+        .current_dir(folder.path())
+        .args(["walk", "room.sheen"])
+        .env_remove("WAYLAND_DISPLAY")
+        .env("DISPLAY", ":7654")
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(
+        messages(&output)
+            .iter()
+            .any(|line| line.contains("no window could be opened"))
+    );
+    assert!(
+        !text(&output.stderr).contains("panicked"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert!(folder.path().join("room.png").is_file());
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_panic() {
+    let folder = folder_with_room();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_sheen"))
+        .current_dir(folder.path())
+        .args(["info", "room.sheen"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(
+        output.status.success() && output.stderr.is_empty(),
+        "{}",
+        text(&output.stderr)
+    );
+}
