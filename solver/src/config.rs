@@ -74,6 +74,8 @@ pub struct Settings {
     pub strata: u32,
     /// ε of the directional refiner (§4.2). Smaller: more cells.
     pub epsilon: f32,
+    /// The same in transport, where light is averaged over receivers.
+    pub transport_epsilon: f32,
     /// Deepest level of the basis in transport.
     pub transport_level: u32,
     /// Deepest level of the basis at vertices.
@@ -107,7 +109,8 @@ impl Settings {
             link_tolerance: knob(4e-4, 8e-6),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
-            epsilon: knob(0.5, 0.1),
+            epsilon: knob(0.8, 0.15),
+            transport_epsilon: knob(1.5, 0.3),
             transport_level: step([4, 4, 5, 6]),
             display_level: step([4, 5, 6, 6]),
             sharpest_roughness: knob(0.06, 0.02),

@@ -1,5 +1,6 @@
 //! Reflection models. A material is Lambert plus at most one lobe; each lobe evaluates without its colour.
 
+mod fast;
 mod phong;
 mod ward;
 
@@ -111,17 +112,34 @@ pub fn reflect(normal: Vec3, wi: Vec3) -> Vec3 {
     normal * (2.0 * normal.dot(wi)) - wi
 }
 
-/// Value of a lobe with specular = 1 for prepared cosines.
-pub(crate) fn eval_shape(
-    shape: Shape,
-    mirror_dot: f32,
-    cos_i: f32,
-    cos_o: f32,
-    wi_dot_wo: f32,
-) -> f32 {
-    match shape {
-        Shape::Phong(exponent) => phong::eval(exponent, mirror_dot),
-        Shape::Ward(roughness) => ward::eval(roughness, cos_i, cos_o, wi_dot_wo),
+/// Cosines of a number of incoming directions against one outgoing direction; structure of arrays.
+pub(crate) struct Cosines<'a> {
+    /// Mirror direction · wo.
+    pub(crate) mirror: &'a [f32],
+    /// n · wi.
+    pub(crate) incoming: &'a [f32],
+    /// wi · wo.
+    pub(crate) between: &'a [f32],
+    /// n · wo.
+    pub(crate) outgoing: f32,
+}
+
+impl Shape {
+    /// Values of the lobe with specular = 1 [sr⁻¹] for all of `cosines`.
+    pub(crate) fn eval_many(self, cosines: &Cosines<'_>, values: &mut [f32]) {
+        match self {
+            Self::Phong(exponent) => {
+                for (value, &mirror) in values.iter_mut().zip(cosines.mirror) {
+                    *value = phong::eval(exponent, mirror);
+                }
+            }
+            Self::Ward(roughness) => {
+                let incoming = cosines.incoming.iter().zip(cosines.between);
+                for (value, (&cos_i, &between)) in values.iter_mut().zip(incoming) {
+                    *value = ward::eval(roughness, cos_i, cosines.outgoing, between);
+                }
+            }
+        }
     }
 }
 

@@ -1,18 +1,15 @@
 //! Normalised modified Phong, f = (n+2)/2π cosⁿα (Lafortune & Willems 1994).
 
+use super::fast;
 use std::f32::consts::TAU;
 
 /// Value for the cosine of the angle to the mirror direction [sr⁻¹].
+#[inline]
 pub(super) fn eval(exponent: f32, mirror_dot: f32) -> f32 {
-    if mirror_dot <= 0.0 {
-        return 0.0;
-    }
-    (exponent + 2.0) / TAU * power(mirror_dot, exponent)
-}
-
-/// base^exponent for a base in (0, 1].
-fn power(base: f32, exponent: f32) -> f32 {
-    (exponent * base.min(1.0).ln()).exp()
+    // Without a branch, so that loops over samples become vector code.
+    let power = fast::exp2(exponent * fast::log2(mirror_dot.clamp(f32::MIN_POSITIVE, 1.0)));
+    let lit = if mirror_dot > 0.0 { power } else { 0.0 };
+    (exponent + 2.0) / TAU * lit
 }
 
 /// Angle at which the lobe has `share` of its peak [rad]; at most a right angle.

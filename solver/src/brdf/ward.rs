@@ -2,19 +2,19 @@
 //!
 //! f = exp(-tan²δ/α²) / (π α²) · |h|² / (h·n)⁴ with the unnormalised h = wi + wo and δ its angle to the normal.
 
+use super::fast;
 use std::f32::consts::{PI, TAU};
 
 /// Value [sr⁻¹] for cosines above zero.
+#[inline]
 pub(super) fn eval(roughness: f32, cos_i: f32, cos_o: f32, wi_dot_wo: f32) -> f32 {
     let length_squared = 2.0 + 2.0 * wi_dot_wo;
-    let height = cos_i + cos_o;
-    if height <= 0.0 {
-        return 0.0;
-    }
+    let height = (cos_i + cos_o).max(f32::MIN_POSITIVE);
     let height_squared = height * height;
     let tan_squared = ((length_squared - height_squared) / height_squared).max(0.0);
     let a = roughness * roughness;
-    (-tan_squared / a).exp() / (PI * a) * length_squared / (height_squared * height_squared)
+    fast::exp2(-std::f32::consts::LOG2_E / a * tan_squared) / (PI * a) * length_squared
+        / (height_squared * height_squared)
 }
 
 /// Angle from the mirror direction beyond which the lobe is surely below `share` of its peak [rad]: turning h by δ

@@ -1,7 +1,9 @@
 //! Top-down projection on the adaptive, balanced octahedral basis (§4.2).
 //!
-//! A cell is split while the function varies over it by more than ε of its centre value; the result is packed for
-//! files and shaders. Neighbouring cells differ by at most one level, and a corner that hangs in the middle of a
+//! A cell is split while the function deviates over it by more than ε of its centre value; the result is packed for
+//! files and shaders. The paper compares the samples' range, because its display is piecewise constant while it
+//! solves; ours is linear in solving and display, so what counts is how far the centre is from the corners' mean, and
+//! the range only where it hides a fold. Neighbouring cells differ by at most one level, and a corner that hangs in the middle of a
 //! larger neighbour's edge takes the mean of that edge's ends: linear interpolation is continuous.
 //! Cost: one evaluation of the function per corner and per centre of a cell.
 
@@ -67,6 +69,10 @@ struct Cell {
     level: u8,
     below_horizon: bool,
 }
+
+/// A range of samples counts this much against a deviation from the linear: of an S-shaped flank the centre shows
+/// nothing.
+const RANGE_WEIGHT: f32 = 0.15;
 
 /// Scratch memory of projections; one per thread.
 #[derive(Default)]
@@ -193,8 +199,11 @@ impl Projector {
         let centre = self.eval(index, source, octahedron::centre(self.corners(&cell)));
         let largest = values.iter().fold(centre, |m, &v| m.max(v));
         let smallest = values.iter().fold(centre, |m, &v| m.min(v));
+        let mean = (values[0] + values[1] + values[2]) / 3.0;
+        let deviation = (centre - mean).max(mean - centre).max_channel();
+        let range = (largest - smallest).max_channel() * RANGE_WEIGHT;
         let reference = how.floor + if how.relative { centre.mean() } else { 0.0 };
-        (largest - smallest).max_channel().max(hidden) > how.epsilon * reference
+        deviation.max(range).max(hidden) > how.epsilon * reference
     }
 
     /// Splits a leaf; returns its first child.

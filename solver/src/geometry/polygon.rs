@@ -102,7 +102,8 @@ impl Polygon {
         if (point - c[0]).dot(self.vector_area()) <= 0.0 {
             return Vec3::ZERO;
         }
-        let mut directions = [Vec3::ZERO; 5];
+        // Clipping adds one corner; rounding on a nearly tangent horizon may cut every edge.
+        let mut directions = [Vec3::ZERO; 8];
         let mut count = self.count;
         for (direction, corner) in directions.iter_mut().zip(self.corners()) {
             *direction = *corner - point;
@@ -124,8 +125,8 @@ impl Polygon {
     }
 }
 
-/// Clips a polygon of directions against the plane through the origin; returns the new count (0..=5).
-fn clip_above(directions: &mut [Vec3; 5], count: usize, normal: Vec3) -> usize {
+/// Clips a polygon of directions against the plane through the origin; returns the new count (0..=8).
+fn clip_above(directions: &mut [Vec3; 8], count: usize, normal: Vec3) -> usize {
     let source = *directions;
     let heights = source.map(|d| d.dot(normal));
     if heights[..count].iter().all(|&h| h >= 0.0) {

@@ -48,7 +48,13 @@ pub fn lit_sides(
         let m = &materials[patch.material as usize];
         if !m.emission.is_black() {
             for back in [false, true] {
-                if !back || m.emits_from_back {
+                // The inside of a closed lamp sees nothing but itself.
+                let sees_out = || {
+                    let seen = sides.seen_from(index as u32, true, RAYS);
+                    let inside = |&(p, b): &(u32, bool)| b && patches[p as usize].material == patch.material;
+                    seen.len() < RAYS as usize || !seen.iter().all(inside)
+                };
+                if !back || (m.emits_from_back && sees_out()) {
                     lit[index][usize::from(back)] = true;
                     fresh.push((index as u32, back, LAMP_RAYS));
                 }

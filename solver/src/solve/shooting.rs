@@ -82,7 +82,7 @@ impl<'a> Shooting<'a> {
         for element in &hierarchy.elements {
             emit(prepared, &hierarchy, element.node, &mut unshot);
         }
-        pull(&hierarchy, &mut unshot, settings.epsilon);
+        pull(&hierarchy, &mut unshot, settings.transport_epsilon);
         let cluster_gloss = gloss_of_clusters(prepared, &hierarchy);
         stats.solve.phases_s.hierarchy = prepared.seconds + started.elapsed().as_secs_f64();
         Self {
@@ -148,7 +148,7 @@ impl<'a> Shooting<'a> {
             self.unshot = self.reflected(&new, &config, false).0;
             self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
             let started = Instant::now();
-            pull(&self.hierarchy, &mut self.unshot, self.settings.epsilon);
+            pull(&self.hierarchy, &mut self.unshot, self.settings.transport_epsilon);
             self.stats.solve.phases_s.pull += started.elapsed().as_secs_f64();
             let started = Instant::now();
             self.accumulated.absorb(new);
@@ -186,7 +186,7 @@ impl<'a> Shooting<'a> {
         // The mean radiance of the scene were all its light spread evenly.
         let mean = emitted as f32 / (PI * self.hierarchy.node(0).area);
         ReflectConfig {
-            epsilon: self.settings.epsilon,
+            epsilon: self.settings.transport_epsilon,
             max_level: self.settings.transport_level,
             floor: 0.3,
             least: 0.05 * mean,
@@ -268,7 +268,7 @@ impl<'a> Shooting<'a> {
         let (mut total, irradiance, absorbed) = self.reflected(&samples, &config, true);
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
         let escaped = self.escaped(&total);
-        pull(&self.hierarchy, &mut total, self.settings.epsilon);
+        pull(&self.hierarchy, &mut total, self.settings.transport_epsilon);
         let solve = &mut self.stats.solve;
         solve.absorbed_w = absorbed;
         // What the last reflection left has not been followed: its part of what would escape is not counted.
@@ -315,19 +315,28 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// Power that leaves the scene [mean over channels], by rays of its own: a few per leaf, cosine-distributed and
-    /// weighted with the leaf's radiance in their direction.
+    /// Power that leaves the scene [mean over channels], by rays of its own: cosine-distributed from every leaf and
+    /// weighted with its radiance in their direction.
     fn escaped(&self, exitant: &Exitant) -> f64 {
-        const RAYS: u32 = 16;
+        const RAYS_IN_ALL: usize = 1 << 18;
+        let leaves: Vec<NodeId> = self
+            .hierarchy
+            .elements
+            .iter()
+            .map(|e| e.node)
+            .filter(|&id| self.hierarchy.is_leaf(id) && exitant.peak[id as usize] > 0.0)
+            .collect();
+        let rays = (RAYS_IN_ALL / leaves.len().max(1)).clamp(16, 4096) as u32;
         let of_leaf = |id: NodeId| -> f64 {
             let element = &self.hierarchy.elements[self.hierarchy.node(id).element as usize];
             let (tangent, bitangent) = element.normal.any_orthonormal_pair();
             let (mut escaped, mut sent) = (0.0f64, 0.0f64);
-            for ray in 0..RAYS {
-                let u = |salt: u32| hash::unit(id.wrapping_mul(RAYS) + ray, salt);
-                let from = element.polygon.point(Vec2::new(u(0), u(1)));
-                let r = ((ray as f32 + u(2)) / RAYS as f32).sqrt();
-                let phi = TAU * u(3);
+            for ray in 0..rays {
+                // A rank-1 lattice: radius by order, the rest by multiples of irrational steps.
+                let u = |step: f32, salt: u32| (ray as f32 * step + hash::unit(id, salt)).fract();
+                let from = element.polygon.point(Vec2::new(u(0.754_877_7, 0), u(0.569_840_3, 1)));
+                let r = ((ray as f32 + 0.5) / rays as f32).sqrt();
+                let phi = TAU * u(0.618_034, 2);
                 let direction = tangent * (r * phi.cos())
                     + bitangent * (r * phi.sin())
                     + element.normal * (1.0 - r * r).max(0.0).sqrt();
@@ -345,13 +354,6 @@ impl<'a> Shooting<'a> {
                 0.0
             }
         };
-        let leaves: Vec<NodeId> = self
-            .hierarchy
-            .elements
-            .iter()
-            .map(|e| e.node)
-            .filter(|&id| self.hierarchy.is_leaf(id) && exitant.peak[id as usize] > 0.0)
-            .collect();
         let parts: Vec<f64> = leaves
             .par_iter()
             .with_max_len(64)

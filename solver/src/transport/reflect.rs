@@ -3,7 +3,7 @@
 //! The sum is projected, never one reflection after the other (table 1). Samples whose lobe cannot reach a cell are
 //! left out of its evaluations, so their number does not grow as samples × cells.
 
-use crate::brdf::{self, Lobe, Shape};
+use crate::brdf::{self, Cosines, Lobe, Shape};
 use crate::directional::{Projection, ProjectionCost, Projector, Source, octahedron};
 use crate::radiometry::Rgb;
 use crate::transport::illumination::IlluminationSample;
@@ -16,6 +16,9 @@ struct Reflection<'a> {
     incoming: Vec<Incoming>,
     evaluations: u64,
 }
+
+/// Samples that are evaluated together.
+const LANES: usize = 32;
 
 struct Incoming {
     wi: Vec3,
@@ -38,19 +41,23 @@ impl Source for Reflection<'_> {
         } else {
             (direction, height)
         };
-        let mut sum = Rgb::BLACK;
-        for &candidate in candidates {
-            let from = &self.incoming[candidate as usize];
-            let value = brdf::eval_shape(
-                self.lobe.shape(),
-                from.mirror.dot(wo),
-                from.cosine,
-                cos_o,
-                from.wi.dot(wo),
-            );
-            sum += from.weight * value;
-        }
         self.evaluations += candidates.len() as u64;
+        let mut sum = Rgb::BLACK;
+        let (mut mirror, mut incoming, mut between) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut values = [0.0; LANES];
+        for chunk in candidates.chunks(LANES) {
+            for (lane, &candidate) in chunk.iter().enumerate() {
+                let from = &self.incoming[candidate as usize];
+                mirror[lane] = from.mirror.dot(wo);
+                incoming[lane] = from.cosine;
+                between[lane] = from.wi.dot(wo);
+            }
+            let cosines = Cosines { mirror: &mirror, incoming: &incoming, between: &between, outgoing: cos_o };
+            self.lobe.shape().eval_many(&cosines, &mut values);
+            for (&candidate, &value) in chunk.iter().zip(&values) {
+                sum += self.incoming[candidate as usize].weight * value;
+            }
+        }
         sum
     }
 
