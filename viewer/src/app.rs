@@ -1,18 +1,17 @@
-//! The window: opens it, moves the eye, draws a frame into the middle, a panel beside it.
+//! The frame loop of the window: moves the eye, draws a frame into the middle, a panel beside it.
 
 use crate::camera::{Motion, View, Walker};
 use crate::gpu::timing::FrameTimer;
-use crate::gpu::{Gpu, GpuError, device_descriptor};
+use crate::gpu::{Gpu, GpuError};
 use crate::panels::{self, Facts, FrameFigures, Settings};
 use crate::tonemap;
 use crate::ways::chunks::Limits;
 use crate::ways::solution::{DrawSettings, Overlay, SolutionRenderer, WindowTargets};
-use eframe::egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use crate::window::{Screenshot, WindowError};
+use eframe::egui_wgpu::RenderState;
 use egui::Key;
 use glam::Vec3;
 use sheen_solver::{Camera, Solution};
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -33,35 +32,8 @@ const IDLE_MS: f64 = 1000.0;
 /// Longest step that keys move the eye by at once [s].
 const LONGEST_STEP_S: f32 = 0.25;
 
-/// Why a window was not opened or did not last.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum WindowError {
-    /// No display, or no adapter that can draw on it.
-    #[error("no window could be opened: {reason}")]
-    NoWindow {
-        /// What is missing.
-        reason: String,
-    },
-    /// A frame failed.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    /// The screenshot could not be written.
-    #[error(transparent)]
-    Screenshot(#[from] sheen_formats::FormatError),
-}
-
-/// Saves what the window shows after some frames, and closes it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Screenshot {
-    /// PNG to write.
-    pub path: PathBuf,
-    /// Frames to draw before.
-    pub frames: u32,
-}
-
 /// What a closed window leaves behind.
-type Fault = Arc<Mutex<Option<WindowError>>>;
+pub(crate) type Fault = Arc<Mutex<Option<WindowError>>>;
 
 fn set_fault(fault: &Fault, error: WindowError) {
     if let Ok(mut slot) = fault.lock() {
@@ -69,67 +41,8 @@ fn set_fault(fault: &Fault, error: WindowError) {
     }
 }
 
-/// True when there is a display to ask for a window: on Unix both window systems say where they are.
-fn has_display() -> bool {
-    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    cfg!(not(all(unix, not(target_os = "macos")))) || is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")
-}
-
-/// Opens the window on `solution` at `camera`; returns when it is closed.
-pub fn run(
-    title: &str,
-    solution: Arc<Solution>,
-    camera: &Camera,
-    screenshot: Option<Screenshot>,
-) -> Result<(), WindowError> {
-    if !has_display() {
-        let reason = "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned();
-        return Err(WindowError::NoWindow { reason });
-    }
-    let mut setup = WgpuSetupCreateNew::without_display_handle();
-    // Compute passes are needed: no OpenGL.
-    setup.instance_descriptor.backends =
-        wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
-    setup.device_descriptor = Arc::new(device_descriptor);
-    let options = eframe::NativeOptions {
-        viewport: egui::ViewportBuilder::default()
-            .with_title(format!("sheen: {title}"))
-            .with_inner_size([1280.0, 800.0]),
-        renderer: eframe::Renderer::Wgpu,
-        wgpu_options: WgpuConfiguration {
-            wgpu_setup: WgpuSetup::CreateNew(setup),
-            ..WgpuConfiguration::default()
-        },
-        ..eframe::NativeOptions::default()
-    };
-    let fault = Fault::default();
-    let is_open = Arc::new(AtomicBool::new(false));
-    let (app_fault, app_open, camera) = (Arc::clone(&fault), Arc::clone(&is_open), camera.clone());
-    let create: eframe::AppCreator<'static> = Box::new(move |context| {
-        let app = WalkApp::new(context, solution, &camera, screenshot, app_fault)?;
-        app_open.store(true, Ordering::Relaxed);
-        Ok(Box::new(app))
-    });
-    // The window library panics where a system library that it loads at run time is missing.
-    let opened = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        eframe::run_native("sheen", options, create)
-    }));
-    if let Some(error) = fault.lock().ok().and_then(|mut slot| slot.take()) {
-        return Err(error);
-    }
-    match opened {
-        Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(WindowError::NoWindow {
-            reason: error.to_string(),
-        }),
-        Err(panic) if is_open.load(Ordering::Relaxed) => std::panic::resume_unwind(panic),
-        Err(_) => Err(WindowError::NoWindow {
-            reason: "the window system could not be started".to_owned(),
-        }),
-    }
-}
-
-struct WalkApp {
+/// The state behind the window.
+pub(crate) struct WalkApp {
     solution: Arc<Solution>,
     bounds: (Vec3, Vec3),
     state: RenderState,
@@ -150,7 +63,8 @@ struct WalkApp {
 }
 
 impl WalkApp {
-    fn new(
+    /// Uploads `solution` to the window's device and puts the eye at `camera`.
+    pub(crate) fn new(
         context: &eframe::CreationContext<'_>,
         solution: Arc<Solution>,
         camera: &Camera,

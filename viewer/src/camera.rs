@@ -44,7 +44,6 @@ impl View {
         let forward = (camera.target.as_dvec3() - camera.eye.as_dvec3()).normalize();
         let right = forward.cross(camera.up.as_dvec3()).normalize();
         let diagonal = (bounds.1.as_dvec3() - bounds.0.as_dvec3()).length();
-        // The eye's own distance counts too: a camera far outside needs no near plane at its nose.
         let near = if diagonal.is_finite() && diagonal > 0.0 {
             diagonal * NEAR_OF_DIAGONAL
         } else {

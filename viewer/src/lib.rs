@@ -2,7 +2,7 @@
 //!
 //! The binary `sheen` only calls [`cli::run`]; everything else is here so that tests reach it.
 
-pub mod app;
+mod app;
 pub mod camera;
 pub mod cli;
 pub mod compare;
@@ -11,3 +11,4 @@ pub mod panels;
 pub mod passes;
 pub mod tonemap;
 pub mod ways;
+pub mod window;

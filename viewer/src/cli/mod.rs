@@ -15,6 +15,7 @@ mod walk;
 use clap::{Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Precomputed directional global illumination that one can walk through.
 #[derive(Debug, Parser)]
@@ -40,21 +41,48 @@ enum Command {
 
 /// Parses the command line, does what it says, and reports failures as one line on stderr.
 pub fn run() -> ExitCode {
-    let result = match Cli::parse().command {
-        Command::Solve(args) => solve::run(&args),
-        Command::Render(args) => render::run(&args),
-        Command::Walk(args) => walk::run(&args),
-        Command::Info(args) => info::run(&args),
-        Command::Compare(args) => compare::run(&args),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
+    report_panics_in_one_line();
+    let command = Cli::parse().command;
+    match std::panic::catch_unwind(|| dispatch(&command)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        // The hook has said what happened.
+        Err(_) => ExitCode::FAILURE,
+        Ok(Err(error)) => {
             let text = format!("{error:#}");
             note(&text.split_whitespace().collect::<Vec<_>>().join(" "));
             ExitCode::FAILURE
         }
     }
+}
+
+fn dispatch(command: &Command) -> anyhow::Result<()> {
+    match command {
+        Command::Solve(args) => solve::run(args),
+        Command::Render(args) => render::run(args),
+        Command::Walk(args) => walk::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Compare(args) => compare::run(args),
+    }
+}
+
+/// A panic is a bug of ours: the first one is named in one line. With `RUST_BACKTRACE` set, all of it is shown.
+fn report_panics_in_one_line() {
+    if std::env::var_os("RUST_BACKTRACE").is_some_and(|value| value != "0") {
+        return;
+    }
+    let is_first = AtomicBool::new(true);
+    std::panic::set_hook(Box::new(move |info| {
+        if !crate::window::is_opening() && is_first.swap(false, Ordering::Relaxed) {
+            let place = info
+                .location()
+                .map_or_else(String::new, |place| format!(" at {place}"));
+            let text = info.payload_as_str().unwrap_or("no message");
+            let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+            note(&format!(
+                "internal error{place}: {text} (a bug; RUST_BACKTRACE=1 shows more)"
+            ));
+        }
+    }));
 }
 
 /// A line for the person at the terminal.

@@ -1,8 +1,8 @@
 //! `sheen walk SCENE|SOLUTION`
 
 use super::{input, note};
-use crate::app::{self, Screenshot};
 use crate::camera::View;
+use crate::window::{self, Screenshot, WindowError};
 use crate::{tonemap, ways};
 use anyhow::Context;
 use sheen_solver::{Camera, Solution};
@@ -40,9 +40,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         path,
         frames: args.frames,
     });
-    match app::run(&title, Arc::clone(&solution), &camera, screenshot) {
+    match window::run(&title, Arc::clone(&solution), &camera, screenshot) {
         Ok(()) => Ok(()),
-        Err(app::WindowError::NoWindow { reason }) => {
+        Err(WindowError::NoWindow { reason }) => {
             let path = PathBuf::from(format!("{title}.png"));
             write_picture(&solution, &camera, &path)?;
             note(&format!(

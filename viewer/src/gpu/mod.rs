@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 #[non_exhaustive]
 pub enum GpuError {
     /// No adapter, not even one in software.
-    #[error("no graphics adapter was found ({reason}); Mesa's software Vulkan driver would do")]
+    #[error("no graphics adapter was found ({reason})")]
     NoAdapter {
         /// What the library said.
         reason: String,
@@ -141,6 +141,19 @@ impl Gpu {
                 usage,
             })
     }
+}
+
+/// Leaves out of the library's list what this build never asked for.
+fn relevant(text: &str) -> String {
+    let text = one_line(text);
+    let is_relevant =
+        |clause: &&str| !clause.ends_with("not requested") && !clause.ends_with("not compiled in");
+    let clauses: Vec<&str> = text
+        .split([',', ';'])
+        .map(str::trim)
+        .filter(is_relevant)
+        .collect();
+    clauses.join(", ")
 }
 
 fn one_line(text: &str) -> String {

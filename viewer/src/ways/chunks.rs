@@ -154,3 +154,33 @@ pub fn wireframe(solution: &Solution) -> Vec<LineEnd> {
     }
     ends
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wireframe_has_the_edges_of_elements_only() {
+        let solution = Solution {
+            position: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]],
+            element_edges: vec![0b101],
+            ..Solution::default()
+        };
+        let ends = wireframe(&solution);
+        let positions: Vec<Vec3> = ends.iter().map(|end| end.position.into()).collect();
+        assert_eq!(positions, [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ZERO]);
+        assert!(ends.iter().all(|end| end.face_normal == [0.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn distributions_end_where_the_next_one_starts() {
+        let solution = Solution {
+            distribution_offset: vec![NO_DISTRIBUTION, 0, NO_DISTRIBUTION, 9, NO_DISTRIBUTION],
+            distribution_words: vec![0; 20],
+            ..Solution::default()
+        };
+        let ends = distribution_ends(&solution);
+        assert_eq!((ends[1], ends[3]), (9, 20));
+    }
+}
