@@ -77,7 +77,7 @@ impl Gpu {
                 .request_adapter(&options)
                 .await
                 .map_err(|error| GpuError::NoAdapter {
-                    reason: one_line(&error.to_string()),
+                    reason: relevant(&error.to_string()),
                 })?;
         let (device, queue) = adapter
             .request_device(&device_descriptor(&adapter))
