@@ -15,7 +15,6 @@ libx11-6             library libX11.so.6
 libx11-xcb1          library libX11-xcb.so.1
 libxcursor1          library libXcursor.so.1
 libxi6               library libXi.so.6
-libxrandr2           library libXrandr.so.2
 libxkbcommon0        library libxkbcommon.so.0
 libxkbcommon-x11-0   library libxkbcommon-x11.so.0
 '
