@@ -12,7 +12,9 @@ pub(crate) fn exp2(x: f32) -> f32 {
     let f = clamped - (rounded - ROUND);
     let p = 1.0
         + f * (std::f32::consts::LN_2
-            + f * (0.240_226_5 + f * (0.055_504_11 + f * (0.009_618_129 + f * (0.001_333_355_8 + f * 0.000_154_035)))));
+            + f * (0.240_226_5
+                + f * (0.055_504_11
+                    + f * (0.009_618_129 + f * (0.001_333_355_8 + f * 0.000_154_035)))));
     let scale = f32::from_bits(whole.wrapping_add(127) << 23);
     if x < -126.0 { 0.0 } else { p * scale }
 }
@@ -27,7 +29,8 @@ pub(crate) fn log2(x: f32) -> f32 {
     let s = (m - 1.0) / (m + 1.0);
     let t = s * s;
     // 2/ln 2 · (s + s³/3 + s⁵/5 + s⁷/7 + s⁹/9)
-    let series = s * (2.885_390_1 + t * (0.961_796_7 + t * (0.577_078 + t * (0.412_198_57 + t * 0.320_598_9))));
+    let series =
+        s * (2.885_39 + t * (0.961_796_7 + t * (0.577_078 + t * (0.412_198_57 + t * 0.320_598_9))));
     exponent as f32 + series
 }
 
@@ -37,10 +40,16 @@ mod tests {
     fn they_are_inverse_and_close_to_the_library() {
         for i in 1..2000 {
             let x = i as f32 * 0.01;
-            assert!((super::log2(x) - x.log2()).abs() <= 3e-7 * x.log2().abs().max(1.0), "{x}");
+            assert!(
+                (super::log2(x) - x.log2()).abs() <= 3e-7 * x.log2().abs().max(1.0),
+                "{x}"
+            );
             let y = -x * 6.0;
             assert!((super::exp2(y) / y.exp2() - 1.0).abs() < 1e-6, "{y}");
         }
-        assert_eq!((super::exp2(-200.0), super::exp2(0.0), super::log2(1.0)), (0.0, 1.0, 0.0));
+        assert_eq!(
+            (super::exp2(-200.0), super::exp2(0.0), super::log2(1.0)),
+            (0.0, 1.0, 0.0)
+        );
     }
 }

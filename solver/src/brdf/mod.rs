@@ -13,7 +13,7 @@ const CUTOFF: f32 = 1e-4;
 
 /// Shape of a glossy lobe, colour aside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Shape {
+enum Shape {
     /// Exponent.
     Phong(f32),
     /// Roughness, above zero.
@@ -100,11 +100,6 @@ impl Lobe {
         let t = x - i as f32;
         self.albedo[i] * (1.0 - t) + self.albedo[i + 1] * t
     }
-
-    /// The lobe's shape.
-    pub(crate) fn shape(&self) -> Shape {
-        self.shape
-    }
 }
 
 /// Mirror direction of `wi` about `normal`; both leave the surface.
@@ -112,7 +107,7 @@ pub fn reflect(normal: Vec3, wi: Vec3) -> Vec3 {
     normal * (2.0 * normal.dot(wi)) - wi
 }
 
-/// Cosines of a number of incoming directions against one outgoing direction; structure of arrays.
+/// A number of incoming directions against one outgoing direction; structure of arrays.
 pub(crate) struct Cosines<'a> {
     /// Mirror direction · wo.
     pub(crate) mirror: &'a [f32],
@@ -120,23 +115,83 @@ pub(crate) struct Cosines<'a> {
     pub(crate) incoming: &'a [f32],
     /// wi · wo.
     pub(crate) between: &'a [f32],
+    /// [`Spread::sharpness`] of each.
+    pub(crate) sharpness: &'a [f32],
     /// n · wo.
     pub(crate) outgoing: f32,
 }
 
-impl Shape {
-    /// Values of the lobe with specular = 1 [sr⁻¹] for all of `cosines`.
-    pub(crate) fn eval_many(self, cosines: &Cosines<'_>, values: &mut [f32]) {
-        match self {
-            Self::Phong(exponent) => {
-                for (value, &mirror) in values.iter_mut().zip(cosines.mirror) {
-                    *value = phong::eval(exponent, mirror);
+/// A lobe as widened by the size of what it reflects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Spread {
+    /// Phong: the exponent. Ward: log₂e/α².
+    pub(crate) sharpness: f32,
+    /// Factor that belongs to it: the lobe's value is this times [`Shape::eval_many`].
+    pub(crate) factor: f32,
+    /// Largest value of the widened lobe, at normal incidence for Ward.
+    pub(crate) peak: f32,
+    /// Half-width [rad].
+    pub(crate) half_width: f32,
+    /// Cosine and sine of the cutoff angle.
+    pub(crate) cutoff: (f32, f32),
+}
+
+impl Lobe {
+    /// The lobe convolved with a uniform disc of angular radius `spread` [rad]: both taken for Gaussians in the
+    /// mirror angle, with variances 1/n (Phong) or 2α² (Ward) and spread²/4 per axis.
+    pub(crate) fn spread(&self, spread: f32) -> Spread {
+        let (sharpness, factor, peak, half_width, cutoff) = match self.shape {
+            Shape::Phong(exponent) => {
+                let n = exponent / (1.0 + exponent * spread * spread * 0.25);
+                let factor = (n + 2.0) / std::f32::consts::TAU;
+                (
+                    n,
+                    factor,
+                    factor,
+                    phong::angle_of(n, 0.5),
+                    phong::angle_of(n, CUTOFF),
+                )
+            }
+            Shape::Ward(roughness) => {
+                let a = (roughness * roughness + spread * spread * 0.125).min(1.0);
+                let alpha = a.sqrt();
+                let factor = 1.0 / (std::f32::consts::PI * a);
+                let sharpness = std::f32::consts::LOG2_E / a;
+                (
+                    sharpness,
+                    factor,
+                    0.25 * factor,
+                    ward::angle_of(alpha, 0.5),
+                    ward::angle_of(alpha, CUTOFF),
+                )
+            }
+        };
+        Spread {
+            sharpness,
+            factor,
+            peak,
+            half_width,
+            cutoff: (cutoff.cos(), cutoff.sin()),
+        }
+    }
+
+    /// Values of the lobe, without [`Spread::factor`], for all of `cosines`.
+    pub(crate) fn eval_many(&self, cosines: &Cosines<'_>, values: &mut [f32]) {
+        match self.shape {
+            Shape::Phong(_) => {
+                let incoming = cosines.mirror.iter().zip(cosines.sharpness);
+                for (value, (&mirror, &exponent)) in values.iter_mut().zip(incoming) {
+                    *value = phong::power(exponent, mirror);
                 }
             }
-            Self::Ward(roughness) => {
-                let incoming = cosines.incoming.iter().zip(cosines.between);
-                for (value, (&cos_i, &between)) in values.iter_mut().zip(incoming) {
-                    *value = ward::eval(roughness, cos_i, cosines.outgoing, between);
+            Shape::Ward(_) => {
+                let incoming = cosines
+                    .incoming
+                    .iter()
+                    .zip(cosines.between)
+                    .zip(cosines.sharpness);
+                for (value, ((&cos_i, &between), &sharpness)) in values.iter_mut().zip(incoming) {
+                    *value = ward::bell(sharpness, cos_i, cosines.outgoing, between);
                 }
             }
         }

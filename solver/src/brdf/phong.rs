@@ -4,12 +4,15 @@ use super::fast;
 use std::f32::consts::TAU;
 
 /// Value for the cosine of the angle to the mirror direction [sr⁻¹].
-#[inline]
 pub(super) fn eval(exponent: f32, mirror_dot: f32) -> f32 {
-    // Without a branch, so that loops over samples become vector code.
+    (exponent + 2.0) / TAU * power(exponent, mirror_dot)
+}
+
+/// cosⁿα, zero below the horizon of the lobe; without a branch, so that loops over samples become vector code.
+#[inline]
+pub(super) fn power(exponent: f32, mirror_dot: f32) -> f32 {
     let power = fast::exp2(exponent * fast::log2(mirror_dot.clamp(f32::MIN_POSITIVE, 1.0)));
-    let lit = if mirror_dot > 0.0 { power } else { 0.0 };
-    (exponent + 2.0) / TAU * lit
+    if mirror_dot > 0.0 { power } else { 0.0 }
 }
 
 /// Angle at which the lobe has `share` of its peak [rad]; at most a right angle.

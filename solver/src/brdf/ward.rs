@@ -6,15 +6,19 @@ use super::fast;
 use std::f32::consts::{PI, TAU};
 
 /// Value [sr⁻¹] for cosines above zero.
-#[inline]
 pub(super) fn eval(roughness: f32, cos_i: f32, cos_o: f32, wi_dot_wo: f32) -> f32 {
+    let a = roughness * roughness;
+    bell(std::f32::consts::LOG2_E / a, cos_i, cos_o, wi_dot_wo) / (PI * a)
+}
+
+/// exp2(-sharpness tan²δ) |h|² / (h·n)⁴.
+#[inline]
+pub(super) fn bell(sharpness: f32, cos_i: f32, cos_o: f32, wi_dot_wo: f32) -> f32 {
     let length_squared = 2.0 + 2.0 * wi_dot_wo;
     let height = (cos_i + cos_o).max(f32::MIN_POSITIVE);
     let height_squared = height * height;
     let tan_squared = ((length_squared - height_squared) / height_squared).max(0.0);
-    let a = roughness * roughness;
-    fast::exp2(-std::f32::consts::LOG2_E / a * tan_squared) / (PI * a) * length_squared
-        / (height_squared * height_squared)
+    fast::exp2(-sharpness * tan_squared) * length_squared / (height_squared * height_squared)
 }
 
 /// Angle from the mirror direction beyond which the lobe is surely below `share` of its peak [rad]: turning h by δ

@@ -55,10 +55,15 @@ pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) 
         }
     }
     let (mut low, mut high) = (f32::INFINITY, 0.0f32);
-    let mut pending: Vec<(u32, octahedron::Corners, usize)> = (0..8)
-        .map(|octant| (words[1 + octant], octahedron::octant_corners(octant), 0))
-        .collect();
-    while let Some((node, corners, level)) = pending.pop() {
+    // Depth first: three waiting siblings a level, and the octants.
+    let mut pending = [(0, [Vec3::ZERO; 3], 0); 8 + 3 * MAX_DEPTH];
+    for (octant, slot) in pending[..8].iter_mut().enumerate() {
+        *slot = (words[1 + octant], octahedron::octant_corners(octant), 0);
+    }
+    let mut waiting = 8;
+    while waiting > 0 {
+        waiting -= 1;
+        let (node, corners, level) = pending[waiting];
         if octahedron::centre(corners).dot(axis) < reach[level.min(octahedron::MAX_LEVEL)] {
             continue;
         }
@@ -78,7 +83,8 @@ pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) 
         let midpoints = octahedron::edge_midpoints(corners);
         for child in 0..4 {
             let corners = octahedron::child_corners(corners, midpoints, child);
-            pending.push((words[position + child], corners, level + 1));
+            pending[waiting] = (words[position + child], corners, level + 1);
+            waiting += 1;
         }
     }
     let scale = f32::from_bits(words[0]);

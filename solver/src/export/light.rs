@@ -271,7 +271,10 @@ impl<'a> Light<'a> {
             .collect();
         let area: f32 = lit.iter().map(|l| l.1).sum();
         let mut light = VertexLight::default();
+        let mut mean_radiance = 0.0;
         for &(id, part) in &lit {
+            let exitance = self.total.power[id as usize] / hierarchy.node(id).area;
+            mean_radiance += exitance * std::f32::consts::FRAC_1_PI * (part / area);
             light.radiance += self.total.diffuse[id as usize] * (part / area);
             light.irradiance += self.irradiance[id as usize] * (part / area);
         }
@@ -283,9 +286,9 @@ impl<'a> Light<'a> {
         }
         let how = Projection {
             min_level: 1,
-            max_level: self.settings.display_level,
+            max_level: self.settings.transport_level,
             epsilon: self.settings.epsilon,
-            floor: 0.2 * light.radiance.mean() + 0.02 * self.mean_irradiance,
+            floor: 0.2 * mean_radiance + 0.02 * self.mean_irradiance,
             relative: true,
             horizon: None,
             integral: None,

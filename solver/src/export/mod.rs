@@ -122,7 +122,7 @@ fn assemble(
 fn push_dark_sides(prepared: &Prepared, solution: &mut Solution) {
     for (patch, lit) in prepared.patches.iter().zip(&prepared.lit) {
         for back in [false, true] {
-            if lit[usize::from(back)] {
+            if lit[usize::from(back)].lit {
                 continue;
             }
             let mut corners: Vec<Vec3> = patch

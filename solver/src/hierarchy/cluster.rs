@@ -1,5 +1,6 @@
 //! Clusters above the patches: a bounding volume hierarchy by obvhs, opened to four children a node.
 
+use super::reach::Side;
 use super::{Element, Hierarchy, NONE, Node, NodeId};
 use crate::geometry::Polygon;
 use crate::scene::Material;
@@ -24,9 +25,9 @@ enum Item {
 }
 
 /// Fills `hierarchy.nodes` and `hierarchy.elements` from its patches.
-pub(super) fn build(hierarchy: &mut Hierarchy, materials: &[Material], lit: &[[bool; 2]]) {
+pub(super) fn build(hierarchy: &mut Hierarchy, materials: &[Material], lit: &[[Side; 2]]) {
     let used: Vec<u32> = (0..hierarchy.patches.len() as u32)
-        .filter(|&p| lit[p as usize] != [false; 2])
+        .filter(|&p| lit[p as usize].iter().any(|side| side.lit))
         .collect();
     let boxes: Vec<Aabb> = used
         .iter()
@@ -130,7 +131,7 @@ fn push_sides(
     hierarchy: &mut Hierarchy,
     materials: &[Material],
     patch_id: u32,
-    lit: [bool; 2],
+    lit: [Side; 2],
     parent: NodeId,
 ) {
     let patch = hierarchy.patches[patch_id as usize];
@@ -143,7 +144,7 @@ fn push_sides(
     let reflectance = (material.diffuse + specular).mean().max(LEAST_REFLECTANCE);
     let count = if patch.points[3] == NONE { 3 } else { 4 };
     for back in [false, true] {
-        if !lit[usize::from(back)] {
+        if !lit[usize::from(back)].lit {
             continue;
         }
         let mut points = patch.points;

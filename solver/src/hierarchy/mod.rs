@@ -98,7 +98,7 @@ impl Hierarchy {
         points: Vec<Vec3>,
         patches: Vec<Patch>,
         materials: &[Material],
-        lit: &[[bool; 2]],
+        lit: &[[reach::Side; 2]],
     ) -> Self {
         let mut hierarchy = Self {
             points,

@@ -16,17 +16,28 @@ use std::f32::consts::TAU;
 
 /// Rays that a newly lit side sends, and that a dark one casts for itself.
 const RAYS: u32 = 24;
+/// A lamp's back is its inside when this share of its rays ends on the lamp's own back: it does not emit.
+const INSIDE_SHARE: f32 = 0.75;
 /// Rays from each point light and each emitter.
 const LAMP_RAYS: u32 = 512;
 
-/// For each patch: can light reach its front, its back?
+/// What light does with the two sides, front and back, of a patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Side {
+    /// Light can reach it.
+    pub lit: bool,
+    /// It emits, and not into the inside of its own lamp.
+    pub emits: bool,
+}
+
+/// For each patch its front and its back: can light reach it, does it emit?
 pub fn lit_sides(
     points: &[Vec3],
     patches: &[Patch],
     materials: &[Material],
     point_lights: &[(Vec3, Rgb)],
     occluders: &Occluders,
-) -> Vec<[bool; 2]> {
+) -> Vec<[Side; 2]> {
     let usable: Vec<[bool; 2]> = patches
         .iter()
         .map(|patch| {
@@ -42,20 +53,25 @@ pub fn lit_sides(
         patches,
         occluders,
     };
-    let mut lit = vec![[false; 2]; patches.len()];
+    let mut lit = vec![[Side::default(); 2]; patches.len()];
     let mut fresh: Vec<(u32, bool, u32)> = Vec::new();
     for (index, patch) in patches.iter().enumerate() {
         let m = &materials[patch.material as usize];
         if !m.emission.is_black() {
             for back in [false, true] {
-                // The inside of a closed lamp sees nothing but itself.
+                // The inside of a lamp sees itself, and what holds the lamp: a rod, a wire.
                 let sees_out = || {
                     let seen = sides.seen_from(index as u32, true, RAYS);
-                    let inside = |&(p, b): &(u32, bool)| b && patches[p as usize].material == patch.material;
-                    seen.len() < RAYS as usize || !seen.iter().all(inside)
+                    let inside = |(p, b): &&(u32, bool)| {
+                        *b && patches[*p as usize].material == patch.material
+                    };
+                    (seen.iter().filter(inside).count() as f32) < INSIDE_SHARE * RAYS as f32
                 };
                 if !back || (m.emits_from_back && sees_out()) {
-                    lit[index][usize::from(back)] = true;
+                    lit[index][usize::from(back)] = Side {
+                        lit: true,
+                        emits: true,
+                    };
                     fresh.push((index as u32, back, LAMP_RAYS));
                 }
             }
@@ -82,8 +98,8 @@ pub fn lit_sides(
         fresh.clear();
         for (patch, back) in hits.drain(..) {
             let side = usize::from(back);
-            if usable[patch as usize][side] && !lit[patch as usize][side] {
-                lit[patch as usize][side] = true;
+            if usable[patch as usize][side] && !lit[patch as usize][side].lit {
+                lit[patch as usize][side].lit = true;
                 fresh.push((patch, back, RAYS));
             }
         }
@@ -94,7 +110,7 @@ pub fn lit_sides(
         let dark: Vec<(u32, bool)> = (0..patches.len() as u32)
             .flat_map(|patch| [(patch, false), (patch, true)])
             .filter(|&(p, back)| {
-                usable[p as usize][usize::from(back)] && !lit[p as usize][usize::from(back)]
+                usable[p as usize][usize::from(back)] && !lit[p as usize][usize::from(back)].lit
             })
             .collect();
         let shared = &lit;
@@ -105,7 +121,7 @@ pub fn lit_sides(
                 sides
                     .seen_from(patch, back, RAYS)
                     .iter()
-                    .any(|&(p, b)| shared[p as usize][usize::from(b)])
+                    .any(|&(p, b)| shared[p as usize][usize::from(b)].lit)
             })
             .collect();
         if reached.is_empty() {

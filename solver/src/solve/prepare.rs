@@ -3,7 +3,7 @@
 use crate::brdf::Lobe;
 use crate::config::Settings;
 use crate::hierarchy::patch::{Patch, merge};
-use crate::hierarchy::reach::lit_sides;
+use crate::hierarchy::reach::{Side, lit_sides};
 use crate::normalise::Normalised;
 use crate::radiometry::Rgb;
 use crate::scene::{Scene, Triangle};
@@ -18,8 +18,8 @@ pub struct Prepared {
     pub frame: Normalised,
     /// Patches of the surfaces that are not glass.
     pub patches: Vec<Patch>,
-    /// Which of their sides light can reach.
-    pub lit: Vec<[bool; 2]>,
+    /// Which of their sides light can reach, and which emit.
+    pub lit: Vec<[Side; 2]>,
     /// All surfaces as occluders.
     pub occluders: Occluders,
     /// Clear triangles: corners, material.

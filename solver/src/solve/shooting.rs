@@ -148,7 +148,11 @@ impl<'a> Shooting<'a> {
             self.unshot = self.reflected(&new, &config, false).0;
             self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
             let started = Instant::now();
-            pull(&self.hierarchy, &mut self.unshot, self.settings.transport_epsilon);
+            pull(
+                &self.hierarchy,
+                &mut self.unshot,
+                self.settings.transport_epsilon,
+            );
             self.stats.solve.phases_s.pull += started.elapsed().as_secs_f64();
             let started = Instant::now();
             self.accumulated.absorb(new);
@@ -334,7 +338,9 @@ impl<'a> Shooting<'a> {
             for ray in 0..rays {
                 // A rank-1 lattice: radius by order, the rest by multiples of irrational steps.
                 let u = |step: f32, salt: u32| (ray as f32 * step + hash::unit(id, salt)).fract();
-                let from = element.polygon.point(Vec2::new(u(0.754_877_7, 0), u(0.569_840_3, 1)));
+                let from = element
+                    .polygon
+                    .point(Vec2::new(u(0.754_877_7, 0), u(0.569_840_3, 1)));
                 let r = ((ray as f32 + 0.5) / rays as f32).sqrt();
                 let phi = TAU * u(0.618_034, 2);
                 let direction = tangent * (r * phi.cos())
@@ -367,7 +373,7 @@ impl<'a> Shooting<'a> {
 fn emit(prepared: &Prepared, hierarchy: &Hierarchy, id: NodeId, exitant: &mut Exitant) {
     let element = &hierarchy.elements[hierarchy.node(id).element as usize];
     let material = &prepared.frame.materials[element.material as usize];
-    if !element.back || material.emits_from_back {
+    if prepared.lit[element.patch as usize][usize::from(element.back)].emits {
         let at = id as usize;
         exitant.diffuse[at] += material.emission;
         exitant.peak[at] += material.emission.mean();

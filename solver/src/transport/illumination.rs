@@ -11,6 +11,8 @@ pub struct IlluminationSample {
     pub direction: Vec3,
     /// Normal irradiance E⊥ [W·m⁻²].
     pub irradiance: Rgb,
+    /// Angular radius of a disc that fills the sender's solid angle [rad].
+    pub spread: f32,
 }
 
 /// Irradiance of `samples` on a surface with `normal` [W·m⁻²].

@@ -45,6 +45,8 @@ pub struct Sender {
     pub normal: Vec3,
     /// Area of an element or a part.
     pub area: f32,
+    /// Area of the whole node.
+    pub node_area: f32,
     /// Centre.
     pub centre: Vec3,
     /// Radius around it.
@@ -66,6 +68,7 @@ impl Sender {
             polygon: None,
             normal: Vec3::ZERO,
             area: node.area,
+            node_area: node.area,
             centre: node.centre,
             radius: node.radius,
             lower: node.lower,
@@ -117,6 +120,10 @@ impl Sender {
         self.id.depth < MAX_VIRTUAL_DEPTH
     }
 }
+
+/// Heights above a plane that are rounding in normalised coordinates: surfaces in one plane do not light each other,
+/// coincident ones least of all.
+const COPLANAR: f32 = 16.0 * f32::EPSILON;
 
 fn bounds_of(points: &[Vec3]) -> (Vec3, Vec3) {
     points
@@ -228,7 +235,15 @@ fn heights(
 
 /// Bounds on the irradiance that `sender` gives any point of `receiver` (§3.1). `high` is proven for the stored
 /// exitant light; `low` too while nothing stands between.
-pub fn bounds(receiver: &Receiver, sender: &Sender, exitant: &Exitant) -> Bounds {
+///
+/// First with the sender's extremes over all directions; only when `good` refuses those, over the directions to the
+/// receiver.
+pub fn bounds(
+    receiver: &Receiver,
+    sender: &Sender,
+    exitant: &Exitant,
+    good: impl Fn(&Bounds) -> bool,
+) -> Bounds {
     let peak = exitant.peak[sender.id.node as usize];
     if peak <= 0.0 {
         return Bounds::NOTHING;
@@ -254,7 +269,7 @@ pub fn bounds(receiver: &Receiver, sender: &Sender, exitant: &Exitant) -> Bounds
                 receiver.centre,
                 normal,
             );
-            if high <= 0.0 {
+            if high <= COPLANAR {
                 return Bounds::NOTHING;
             }
             (
@@ -267,6 +282,47 @@ pub fn bounds(receiver: &Receiver, sender: &Sender, exitant: &Exitant) -> Bounds
             )
         }
     };
+    let factors = match sender.polygon {
+        // Cluster: intensity over distance squared.
+        None => {
+            let most = if near > 0.0 {
+                cos_r_high / (near * near)
+            } else {
+                f32::INFINITY
+            };
+            (cos_r_low / (far * far), most)
+        }
+        Some(_) => {
+            let receiver_corners = receiver.polygon.as_ref().map(Polygon::corners);
+            let (g_low, g_high) = heights(
+                receiver_corners,
+                receiver.lower,
+                receiver.upper,
+                sender.centre,
+                sender.normal,
+            );
+            if g_high <= COPLANAR {
+                return Bounds::NOTHING;
+            }
+            let cos_s_low = g_low.max(0.0) / far;
+            let most = if near > 0.0 {
+                let cos_s_high = (g_high / near).min(1.0);
+                (sender.area * cos_s_high * cos_r_high / (near * near)).min(PI)
+            } else {
+                PI
+            };
+            (sender.area * cos_s_low * cos_r_low / (far * far), most)
+        }
+    };
+    let diffuse = exitant.diffuse[sender.id.node as usize].mean();
+    let rough = Bounds {
+        low: diffuse * factors.0,
+        high: peak * factors.1,
+        distance,
+    };
+    if exitant.distribution[sender.id.node as usize].is_none() || good(&rough) {
+        return rough;
+    }
     // The half-angle of all directions from the sender to the receiver, about the line of centres.
     let half_angle = if distance > reach {
         (reach / distance).asin()
@@ -279,42 +335,9 @@ pub fn bounds(receiver: &Receiver, sender: &Sender, exitant: &Exitant) -> Bounds
         Vec3::Z
     };
     let (low, high) = exitant.bounds(sender.id.node, axis, half_angle);
-
-    let Some(_) = sender.polygon else {
-        // Cluster: intensity over distance squared.
-        let most = if near > 0.0 {
-            high / (near * near) * cos_r_high
-        } else {
-            f32::INFINITY
-        };
-        return Bounds {
-            low: low / (far * far) * cos_r_low,
-            high: most,
-            distance,
-        };
-    };
-    let receiver_corners = receiver.polygon.as_ref().map(Polygon::corners);
-    let (g_low, g_high) = heights(
-        receiver_corners,
-        receiver.lower,
-        receiver.upper,
-        sender.centre,
-        sender.normal,
-    );
-    if g_high <= 0.0 {
-        return Bounds::NOTHING;
-    }
-    let cos_s_low = g_low.max(0.0) / far;
-    let unbounded = PI * high;
-    let most = if near > 0.0 {
-        let cos_s_high = (g_high / near).min(1.0);
-        (high * sender.area * cos_s_high * cos_r_high / (near * near)).min(unbounded)
-    } else {
-        unbounded
-    };
     Bounds {
-        low: low * sender.area * cos_s_low * cos_r_low / (far * far),
-        high: most,
+        low: low * factors.0,
+        high: high * factors.1,
         distance,
     }
 }

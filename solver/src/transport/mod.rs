@@ -5,6 +5,8 @@ pub mod illumination;
 pub mod link;
 pub mod propagate;
 pub mod pull;
+mod rays;
 pub mod reflect;
+mod sample;
 pub mod shaft;
 pub mod visibility;

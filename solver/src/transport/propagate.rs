@@ -5,12 +5,13 @@
 //! Cost: a bound per link visited, rays per link accepted.
 
 use crate::brdf::Lobe;
-use crate::geometry::{Polygon, hash};
 use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, SampleSets};
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
+use crate::transport::rays::Rays;
+use crate::transport::sample::unoccluded_sample;
 use crate::transport::shaft;
 use crate::transport::visibility::Occluders;
 use glam::{Vec2, Vec3};
@@ -112,12 +113,38 @@ struct Pending {
     visible: bool,
 }
 
+/// A cluster stands for what it holds only from further away than this many of its radii.
+const CLUSTER_DISTANCE: f32 = 1.5;
+
+/// Light between surfaces closer than a cluster can stand for is left out where the sender's whole power is this
+/// share of the tolerance: it stays within a small thing.
+const NEGLIGIBLE: f32 = 0.05;
+
+/// True when an end of the link is a cluster that the other is too close to. However weak the link: intensity over
+/// distance squared is without bound near a flat cluster, and light between such surfaces would grow.
+fn is_near(bounds: &Bounds, receiver: &Receiver, sender: &Sender) -> bool {
+    let reach = |is_cluster: bool, radius: f32| {
+        if is_cluster {
+            radius * CLUSTER_DISTANCE
+        } else {
+            0.0
+        }
+    };
+    let receiver_is_cluster = receiver.normal.is_none();
+    bounds.distance
+        < reach(receiver_is_cluster, receiver.radius)
+            .max(reach(sender.polygon.is_none(), sender.radius))
+}
+
 /// The error of a link as a share of... irradiance [W·m⁻²]: how far a sample may be from the truth.
 ///
 /// The bounds' width, plus what one direction instead of many costs: on clusters, through the cosine at surfaces
 /// with unknown normals; on glossy surfaces, through the lobe. A sum of lobes a fraction x of their width apart is
 /// smooth to O(x⁴), so senders only need to be small against the lobe.
 fn error(bounds: &Bounds, receiver: &Receiver, sender: &Sender, gloss: Gloss) -> f32 {
+    if is_near(bounds, receiver, sender) {
+        return f32::INFINITY;
+    }
     let mut error = bounds.high - bounds.low;
     if bounds.distance > 0.0 {
         if receiver.normal.is_none() {
@@ -125,7 +152,8 @@ fn error(bounds: &Bounds, receiver: &Receiver, sender: &Sender, gloss: Gloss) ->
         }
         if gloss.share > 0.0 {
             let in_lobes = 1.0 / (bounds.distance * gloss.width);
-            let (across, seen) = (receiver.radius * in_lobes, sender.radius * in_lobes);
+            // The lobe of a sample is as wide as its sender: only the sender's shape is lost.
+            let (across, seen) = (receiver.radius * in_lobes, 0.5 * sender.radius * in_lobes);
             let seen = seen * seen;
             error += bounds.high * gloss.share * (across * across + seen * seen).min(1.0);
         }
@@ -223,6 +251,23 @@ impl Propagation<'_> {
         stats
     }
 
+    fn rays<'b>(
+        &'b self,
+        hierarchy: &'b Hierarchy,
+        receiver_node: NodeId,
+        receiver: &'b Receiver,
+        sender: &'b Sender,
+    ) -> Rays<'b> {
+        Rays {
+            occluders: self.environment.occluders,
+            exitant: self.exitant,
+            hierarchy,
+            receiver_node,
+            receiver,
+            sender,
+        }
+    }
+
     fn gloss(&self, hierarchy: &Hierarchy, id: NodeId) -> Gloss {
         match hierarchy.element_of(id) {
             Some(element) => {
@@ -257,12 +302,19 @@ impl Propagation<'_> {
                 continue;
             }
             let sender = Sender::new(hierarchy, link.sender);
-            let bounds = bounds(&receiver, &sender, self.exitant);
+            let is_good = |bounds: &Bounds| error(bounds, &receiver, &sender, gloss) <= limit;
+            let bounds = bounds(&receiver, &sender, self.exitant, is_good);
             if bounds.high <= 0.0 {
                 continue;
             }
             let same = id == link.sender.node;
-            let good = !same && error(&bounds, &receiver, &sender, gloss) <= limit;
+            let power = self.exitant.power[link.sender.node as usize];
+            if (same || is_near(&bounds, &receiver, &sender))
+                && power < NEGLIGIBLE * self.accuracy.tolerance
+            {
+                continue;
+            }
+            let good = !same && is_good(&bounds);
             let can_refine_sender = sender.can_refine()
                 && (sender.polygon.is_none() || sender.radius > self.accuracy.min_radius * 0.5);
             if !good && (can_split || can_refine_sender) {
@@ -344,13 +396,7 @@ impl Propagation<'_> {
         } else {
             let strong = bounds.high > limit;
             let strata = if strong { self.accuracy.strata } else { 2 };
-            let cast = Rays {
-                propagation: self,
-                hierarchy,
-                receiver_node: id,
-                receiver,
-                sender,
-            };
+            let cast = self.rays(hierarchy, id, receiver, sender);
             let (mean, mixed) = cast.strata(strata, &mut outcome.stats);
             let refinable = sender.can_refine() && sender.radius > self.accuracy.min_radius
                 || receiver.polygon.is_none()
@@ -410,7 +456,7 @@ impl Propagation<'_> {
             sender: SenderId::whole(POINT_LIGHTS + light as u32),
             visible: false,
         };
-        if !(high - low + turned <= limit) && can_split {
+        if (high - low + turned > limit || near == 0.0) && can_split {
             return outcome.refined.push(link);
         }
         if distance == 0.0 {
@@ -442,6 +488,7 @@ impl Propagation<'_> {
             outcome.samples.push(IlluminationSample {
                 direction: offset / distance,
                 irradiance,
+                spread: 0.0,
             });
         }
     }
@@ -466,13 +513,14 @@ impl Propagation<'_> {
             if sender.patch == receiver.patch && sender.patch != NONE {
                 continue;
             }
-            let bounds = bounds(receiver, &sender, self.exitant);
+            let is_good = |bounds: &Bounds| error(bounds, receiver, &sender, gloss) <= limit;
+            let bounds = bounds(receiver, &sender, self.exitant, is_good);
             if bounds.high <= 0.0 {
                 continue;
             }
             // A part seen from closer than its own size is split for as long as that changes anything.
             let can_refine = sender.can_refine();
-            if can_refine && error(&bounds, receiver, &sender, gloss) > limit {
+            if can_refine && !is_good(&bounds) {
                 sender.parts(hierarchy, self.node_count, |part| stack.push(part));
                 continue;
             }
@@ -485,13 +533,7 @@ impl Propagation<'_> {
             } else {
                 1
             };
-            let cast = Rays {
-                propagation: self,
-                hierarchy,
-                receiver_node: NONE,
-                receiver,
-                sender: &sender,
-            };
+            let cast = self.rays(hierarchy, NONE, receiver, &sender);
             let (transmittance, mixed) = cast.strata(strata, &mut stats);
             if mixed && can_refine && sender.polygon.is_none() && strength > limit {
                 sender.parts(hierarchy, self.node_count, |part| stack.push(part));
@@ -523,6 +565,7 @@ impl Propagation<'_> {
                     samples.push(IlluminationSample {
                         direction: offset.normalize(),
                         irradiance,
+                        spread: 0.0,
                     });
                 }
             }
@@ -534,197 +577,4 @@ impl Propagation<'_> {
 enum Connection {
     Sample,
     Mixed,
-}
-
-/// The sample of a link as if nothing stood between.
-///
-/// Elements send by their exact form factor to a few points of the receiver; clusters by intensity over distance
-/// squared.
-fn unoccluded_sample(
-    receiver: &Receiver,
-    sender: &Sender,
-    exitant: &Exitant,
-) -> Option<IlluminationSample> {
-    let Some(polygon) = sender.polygon else {
-        let offset = sender.centre - receiver.centre;
-        let distance_squared = offset.length_squared();
-        let direction = offset.normalize();
-        let irradiance = exitant.towards(sender.id.node, -direction) / distance_squared;
-        return (!irradiance.is_black()).then_some(IlluminationSample {
-            direction,
-            irradiance,
-        });
-    };
-    let mut sum = Vec3::ZERO;
-    let mut radiance = Rgb::BLACK;
-    let mut weight = 0.0;
-    let mut points = 0;
-    let mut from_point = |point: Vec3| {
-        let vector = polygon.vector_irradiance(point, receiver.normal);
-        points += 1;
-        sum += vector;
-        let strength = receiver.normal.map_or(vector.length(), |n| n.dot(vector));
-        if strength > 0.0 {
-            let towards = (point - sender.centre).normalize_or(sender.normal);
-            radiance += exitant.towards(sender.id.node, towards) * strength;
-            weight += strength;
-        }
-    };
-    match &receiver.polygon {
-        None => from_point(receiver.centre),
-        Some(receiving) => {
-            // Far links see one distance; near ones are averaged over 4, touching ones over 16 points.
-            let closeness =
-                (receiver.radius + sender.radius) / receiver.centre.distance(sender.centre);
-            let quarters = |from_point: &mut dyn FnMut(Vec3), shape: &Polygon| {
-                for child in 0..4 {
-                    from_point(shape.child(child).centre());
-                }
-            };
-            if closeness < 0.25 {
-                from_point(receiving.centre());
-            } else if closeness < 0.6 {
-                quarters(&mut from_point, receiving);
-            } else {
-                for child in 0..4 {
-                    quarters(&mut from_point, &receiving.child(child));
-                }
-            }
-        }
-    }
-    if weight <= 0.0 {
-        return None;
-    }
-    let vector = sum / points as f32;
-    let normal_irradiance = vector.length();
-    let direction = vector / normal_irradiance;
-    let irradiance = radiance / weight * normal_irradiance;
-    (!irradiance.is_black()).then_some(IlluminationSample {
-        direction,
-        irradiance,
-    })
-}
-
-/// Visibility rays of one link, stratified on both ends.
-struct Rays<'a> {
-    propagation: &'a Propagation<'a>,
-    hierarchy: &'a Hierarchy,
-    receiver_node: NodeId,
-    receiver: &'a Receiver,
-    sender: &'a Sender,
-}
-
-impl Rays<'_> {
-    /// Mean transmittance over `side`² rays, and whether they differ.
-    fn strata(&self, side: u32, stats: &mut LinkStats) -> (Rgb, bool) {
-        let seed = hash::mix(self.sender.id.node, self.receiver_node);
-        let (mut sum, mut count) = (Rgb::BLACK, 0u32);
-        let (mut least, mut most) = (f32::INFINITY, 0.0f32);
-        let all = side * side;
-        for ray in 0..all {
-            let at = |i: u32, salt: u32| {
-                let jitter = |axis: u32| {
-                    // One ray goes through the middle; more are spread within their strata.
-                    if all == 1 {
-                        0.5
-                    } else {
-                        0.15 + 0.7 * hash::unit(seed.wrapping_add(ray), salt + axis)
-                    }
-                };
-                Vec2::new(
-                    ((i % side) as f32 + jitter(0)) / side as f32,
-                    ((i / side) as f32 + jitter(1)) / side as f32,
-                )
-            };
-            // A fixed permutation pairs strata of the two ends that are not alike.
-            let to = self.sender_point(at(ray, 10), hash::mix(seed, ray));
-            let from = self.receiver_point(
-                at((ray * 7 + 3) % all, 20),
-                hash::mix(seed, ray ^ 0x5555),
-                to.0,
-            );
-            let passed =
-                self.propagation
-                    .environment
-                    .occluders
-                    .transmittance(from.0, to.0, [from.1, to.1]);
-            stats.rays += 1;
-            sum += passed;
-            count += 1;
-            least = least.min(passed.mean());
-            most = most.max(passed.mean());
-        }
-        (sum / count as f32, most > least)
-    }
-
-    fn sender_point(&self, uv: Vec2, seed: u32) -> (Vec3, u32) {
-        if let Some(polygon) = &self.sender.polygon {
-            return (polygon.point(uv), self.sender.patch);
-        }
-        let exitant = self.propagation.exitant;
-        self.surface_point(self.sender.id.node, seed, self.receiver.centre, |id| {
-            if (id as usize) < exitant.len() {
-                exitant.power[id as usize]
-            } else {
-                0.0
-            }
-        })
-    }
-
-    fn receiver_point(&self, uv: Vec2, seed: u32, towards: Vec3) -> (Vec3, u32) {
-        if self.receiver.radius == 0.0 {
-            return (self.receiver.centre, self.receiver.patch);
-        }
-        if let Some(polygon) = &self.receiver.polygon {
-            return (polygon.point(uv), self.receiver.patch);
-        }
-        self.surface_point(self.receiver_node, seed, towards, |id| {
-            self.hierarchy.node(id).area
-        })
-    }
-
-    /// A point on a surface of a cluster that faces `seen_from`, if a few tries find one; nodes are chosen in
-    /// proportion to `weight`.
-    fn surface_point(
-        &self,
-        cluster: NodeId,
-        seed: u32,
-        seen_from: Vec3,
-        weight: impl Fn(NodeId) -> f32,
-    ) -> (Vec3, u32) {
-        let mut found = (self.hierarchy.node(cluster).centre, NONE);
-        for attempt in 0..6 {
-            let mut id = cluster;
-            let mut salt = attempt * 64;
-            while self.hierarchy.element_of(id).is_none() {
-                let total: f32 = self.hierarchy.children(id).map(&weight).sum();
-                let mut left = hash::unit(seed, salt) * total;
-                salt += 1;
-                let mut chosen = None;
-                for child in self.hierarchy.children(id) {
-                    let w = weight(child);
-                    if w > 0.0 {
-                        chosen = Some(child);
-                        if left < w {
-                            break;
-                        }
-                    }
-                    left -= w;
-                }
-                match chosen {
-                    Some(child) => id = child,
-                    None => return found,
-                }
-            }
-            let Some(element) = self.hierarchy.element_of(id) else {
-                return found;
-            };
-            let uv = Vec2::new(hash::unit(seed, salt + 30), hash::unit(seed, salt + 31));
-            found = (element.polygon.point(uv), element.patch);
-            if (seen_from - found.0).dot(element.normal) > 0.0 {
-                break;
-            }
-        }
-        found
-    }
 }

@@ -3,7 +3,7 @@
 //! The sum is projected, never one reflection after the other (table 1). Samples whose lobe cannot reach a cell are
 //! left out of its evaluations, so their number does not grow as samples × cells.
 
-use crate::brdf::{self, Cosines, Lobe, Shape};
+use crate::brdf::{self, Cosines, Lobe, Spread};
 use crate::directional::{Projection, ProjectionCost, Projector, Source, octahedron};
 use crate::radiometry::Rgb;
 use crate::transport::illumination::IlluminationSample;
@@ -24,7 +24,9 @@ struct Incoming {
     wi: Vec3,
     mirror: Vec3,
     cosine: f32,
-    /// Irradiance on the surface times specular colour.
+    /// The lobe as widened by the sender's size.
+    spread: Spread,
+    /// Irradiance on the surface times specular colour times the lobe's factor.
     weight: Rgb,
 }
 
@@ -43,7 +45,8 @@ impl Source for Reflection<'_> {
         };
         self.evaluations += candidates.len() as u64;
         let mut sum = Rgb::BLACK;
-        let (mut mirror, mut incoming, mut between) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let (mut mirror, mut incoming) = ([0.0; LANES], [0.0; LANES]);
+        let (mut between, mut sharpness) = ([0.0; LANES], [0.0; LANES]);
         let mut values = [0.0; LANES];
         for chunk in candidates.chunks(LANES) {
             for (lane, &candidate) in chunk.iter().enumerate() {
@@ -51,9 +54,16 @@ impl Source for Reflection<'_> {
                 mirror[lane] = from.mirror.dot(wo);
                 incoming[lane] = from.cosine;
                 between[lane] = from.wi.dot(wo);
+                sharpness[lane] = from.spread.sharpness;
             }
-            let cosines = Cosines { mirror: &mirror, incoming: &incoming, between: &between, outgoing: cos_o };
-            self.lobe.shape().eval_many(&cosines, &mut values);
+            let cosines = Cosines {
+                mirror: &mirror,
+                incoming: &incoming,
+                between: &between,
+                sharpness: &sharpness,
+                outgoing: cos_o,
+            };
+            self.lobe.eval_many(&cosines, &mut values);
             for (&candidate, &value) in chunk.iter().zip(&values) {
                 sum += self.incoming[candidate as usize].weight * value;
             }
@@ -62,17 +72,13 @@ impl Source for Reflection<'_> {
     }
 
     fn narrow(&self, candidates: &[u32], centre: Vec3, level: usize, kept: &mut Vec<u32>) {
-        let angle = self.lobe.cutoff + octahedron::radius(level);
-        if angle >= std::f32::consts::PI {
-            kept.extend_from_slice(candidates);
-            return;
-        }
-        let least = angle.cos();
-        kept.extend(
-            candidates
-                .iter()
-                .filter(|&&c| self.incoming[c as usize].mirror.dot(centre) >= least),
-        );
+        let (sine, cosine) = octahedron::radius(level).sin_cos();
+        kept.extend(candidates.iter().filter(|&&candidate| {
+            let from = &self.incoming[candidate as usize];
+            // Cosine of cutoff plus radius; both are below a right angle.
+            let (cos_cutoff, sin_cutoff) = from.spread.cutoff;
+            from.mirror.dot(centre) >= cos_cutoff * cosine - sin_cutoff * sine
+        }));
     }
 
     fn candidate_count(&self) -> u32 {
@@ -80,19 +86,14 @@ impl Source for Reflection<'_> {
     }
 
     fn hidden_peak(&self, candidates: &[u32], level: usize) -> f32 {
-        // Corners and centre are closer together than a lobe is wide: nothing can hide.
-        if octahedron::radius(level) < 1.2 * self.lobe.half_width {
-            return 0.0;
-        }
-        let peak = match self.lobe.shape() {
-            Shape::Phong(exponent) => (exponent + 2.0) / std::f32::consts::TAU,
-            Shape::Ward(roughness) => 0.25 / (std::f32::consts::PI * roughness * roughness),
-        };
+        // Where corners and centre are closer together than a lobe is wide, nothing of it can hide.
+        let radius = octahedron::radius(level);
         candidates
             .iter()
-            .map(|&c| self.incoming[c as usize].weight.max_channel())
+            .map(|&c| &self.incoming[c as usize])
+            .filter(|from| radius >= 1.2 * from.spread.half_width)
+            .map(|from| from.weight.max_channel() * from.spread.peak / from.spread.factor)
             .fold(0.0, f32::max)
-            * peak
     }
 }
 
@@ -151,11 +152,14 @@ pub fn reflect(
         if let Some(lobe) = lobe {
             let weight = irradiance * lobe.specular;
             glossy_exitance += weight * lobe.albedo(cosine);
+            let spread = lobe.spread(sample.spread);
+            let weight = weight * spread.factor;
             let mirror = brdf::reflect(normal, sample.direction);
             incoming.push(Incoming {
                 wi: sample.direction,
                 mirror,
                 cosine,
+                spread,
                 weight,
             });
         }

@@ -145,30 +145,21 @@ impl Occluders {
     }
 
     fn along(&self, ray: Ray, ends: [u32; 2]) -> Rgb {
-        let opaque = |face: &Face, ray: &Ray| {
-            if face.patch != NO_PATCH && (face.patch == ends[0] || face.patch == ends[1])
-                || face.tint != NO_PATCH
-            {
+        let mut passed = Rgb::WHITE;
+        let missed = self.bvh.ray_traverse_miss(ray, |ray, id| {
+            let face = &self.faces[id];
+            if face.patch != NO_PATCH && (face.patch == ends[0] || face.patch == ends[1]) {
                 return f32::INFINITY;
             }
-            face.intersect(ray)
-        };
-        if !self
-            .bvh
-            .ray_traverse_miss(ray, |ray, id| opaque(&self.faces[id], ray))
-        {
-            return Rgb::BLACK;
-        }
-        let mut passed = Rgb::WHITE;
-        if !self.tints.is_empty() {
-            self.bvh.ray_traverse_anyhit(ray, |ray, id| {
-                let face = &self.faces[id];
-                if face.tint != NO_PATCH && face.intersect(ray) < f32::INFINITY {
-                    passed = passed * self.tints[face.tint as usize];
-                }
-            });
-        }
-        passed
+            let t = face.intersect(ray);
+            if face.tint != NO_PATCH && t < f32::INFINITY {
+                // Glass tints and lets the search go on.
+                passed = passed * self.tints[face.tint as usize];
+                return f32::INFINITY;
+            }
+            t
+        });
+        if missed { passed } else { Rgb::BLACK }
     }
 
     /// Bytes that it takes.

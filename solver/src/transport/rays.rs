@@ -1,0 +1,125 @@
+//! Visibility rays of links: stratified on both ends, on surfaces of clusters too.
+
+use crate::geometry::hash;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::radiometry::Rgb;
+use crate::transport::exitant::Exitant;
+use crate::transport::link::{Receiver, Sender};
+use crate::transport::propagate::LinkStats;
+use crate::transport::visibility::Occluders;
+use glam::{Vec2, Vec3};
+
+/// Visibility rays of one link, stratified on both ends.
+pub(super) struct Rays<'a> {
+    pub(super) occluders: &'a Occluders,
+    /// Its power chooses points on sending clusters.
+    pub(super) exitant: &'a Exitant,
+    pub(super) hierarchy: &'a Hierarchy,
+    /// [`NONE`](crate::hierarchy::NONE) for vertices.
+    pub(super) receiver_node: NodeId,
+    pub(super) receiver: &'a Receiver,
+    pub(super) sender: &'a Sender,
+}
+
+impl Rays<'_> {
+    /// Mean transmittance over `side`² rays, and whether they differ.
+    pub(super) fn strata(&self, side: u32, stats: &mut LinkStats) -> (Rgb, bool) {
+        let seed = hash::mix(self.sender.id.node, self.receiver_node);
+        let (mut sum, mut count) = (Rgb::BLACK, 0u32);
+        let (mut least, mut most) = (f32::INFINITY, 0.0f32);
+        let all = side * side;
+        for ray in 0..all {
+            let at = |i: u32, salt: u32| {
+                let jitter = |axis: u32| {
+                    // One ray goes through the middle; more are spread within their strata.
+                    if all == 1 {
+                        0.5
+                    } else {
+                        0.15 + 0.7 * hash::unit(seed.wrapping_add(ray), salt + axis)
+                    }
+                };
+                Vec2::new(
+                    ((i % side) as f32 + jitter(0)) / side as f32,
+                    ((i / side) as f32 + jitter(1)) / side as f32,
+                )
+            };
+            // A fixed permutation pairs strata of the two ends that are not alike.
+            let seed_of = |salt: u32| hash::mix(seed, ray ^ salt);
+            let to = self.sender_point(at(ray, 10), seed_of(0));
+            let ends = to.and_then(|to| {
+                self.receiver_point(at((ray * 7 + 3) % all, 20), seed_of(0x5555), to.0)
+                    .map(|from| (from, to))
+            });
+            // A cluster without a surface that faces the other end has nothing to see or to send from there.
+            let occluders = self.occluders;
+            let passed = ends.map_or(Rgb::BLACK, |(from, to)| {
+                occluders.transmittance(from.0, to.0, [from.1, to.1])
+            });
+            stats.rays += 1;
+            sum += passed;
+            count += 1;
+            least = least.min(passed.mean());
+            most = most.max(passed.mean());
+        }
+        (sum / count as f32, most > least)
+    }
+
+    fn sender_point(&self, uv: Vec2, seed: u32) -> Option<(Vec3, u32)> {
+        if let Some(polygon) = &self.sender.polygon {
+            return Some((polygon.point(uv), self.sender.patch));
+        }
+        let power = &self.exitant.power;
+        let weight = |id: NodeId| power.get(id as usize).copied().unwrap_or(0.0);
+        self.surface_point(self.sender.id.node, seed, self.receiver.centre, weight)
+    }
+
+    fn receiver_point(&self, uv: Vec2, seed: u32, towards: Vec3) -> Option<(Vec3, u32)> {
+        if self.receiver.radius == 0.0 {
+            return Some((self.receiver.centre, self.receiver.patch));
+        }
+        if let Some(polygon) = &self.receiver.polygon {
+            return Some((polygon.point(uv), self.receiver.patch));
+        }
+        self.surface_point(self.receiver_node, seed, towards, |id| {
+            self.hierarchy.node(id).area
+        })
+    }
+
+    /// A point on a surface of a cluster that faces `seen_from`, if a few tries find one; nodes are chosen in
+    /// proportion to `weight`, surfaces that face the point squarely more often than those seen at an angle.
+    fn surface_point(
+        &self,
+        cluster: NodeId,
+        seed: u32,
+        seen_from: Vec3,
+        weight: impl Fn(NodeId) -> f32,
+    ) -> Option<(Vec3, u32)> {
+        const TRIES: u32 = 12;
+        (0..TRIES).find_map(|attempt| {
+            let mut id = cluster;
+            let mut salt = attempt * 64;
+            while self.hierarchy.element_of(id).is_none() {
+                let total: f32 = self.hierarchy.children(id).map(&weight).sum();
+                let mut left = hash::unit(seed, salt) * total;
+                salt += 1;
+                let mut chosen = None;
+                for child in self.hierarchy.children(id) {
+                    let w = weight(child);
+                    if w > 0.0 {
+                        chosen = Some(child);
+                        if left < w {
+                            break;
+                        }
+                    }
+                    left -= w;
+                }
+                id = chosen?;
+            }
+            let element = self.hierarchy.element_of(id)?;
+            let uv = Vec2::new(hash::unit(seed, salt + 30), hash::unit(seed, salt + 31));
+            let point = element.polygon.point(uv);
+            let cosine = (seen_from - point).normalize_or_zero().dot(element.normal);
+            (cosine > hash::unit(seed, salt + 32)).then_some((point, element.patch))
+        })
+    }
+}

@@ -1,0 +1,108 @@
+//! The illumination sample of a link as if nothing stood between its ends.
+
+use crate::geometry::Polygon;
+use crate::radiometry::Rgb;
+use crate::transport::exitant::Exitant;
+use crate::transport::illumination::IlluminationSample;
+use crate::transport::link::{Receiver, Sender};
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// The sample of a link as if nothing stood between.
+///
+/// Elements send by their exact form factor to a few points of the receiver; clusters by intensity over distance
+/// squared. The radiance of the one direction between the centres stands for the whole cone of directions, but no
+/// cone can carry more than the sender's whole power: a sharp lobe does not fill the view of a close receiver.
+pub(super) fn unoccluded_sample(
+    receiver: &Receiver,
+    sender: &Sender,
+    exitant: &Exitant,
+) -> Option<IlluminationSample> {
+    let offset = sender.centre - receiver.centre;
+    let distance = offset.length();
+    let node = sender.id.node as usize;
+    // Sine of the half-angle of the cone of directions from the sender to the receiver.
+    let sine = ((receiver.radius + sender.radius) / distance).min(1.0);
+    let limited = |value: Rgb, most: f32| {
+        let mean = value.mean();
+        if mean > most {
+            value * (most / mean)
+        } else {
+            value
+        }
+    };
+    let Some(polygon) = sender.polygon else {
+        let direction = offset / distance;
+        let solid_angle = TAU * (1.0 - (1.0 - sine * sine).max(0.0).sqrt());
+        let intensity = limited(
+            exitant.towards(sender.id.node, -direction),
+            exitant.power[node] / solid_angle,
+        );
+        let irradiance = intensity / (distance * distance);
+        return (!irradiance.is_black()).then_some(IlluminationSample {
+            direction,
+            irradiance,
+            spread: sine,
+        });
+    };
+    let directional = exitant.distribution[node].is_some();
+    let exitance = exitant.power[node] / sender.node_area;
+    let radiance_towards = |point: Vec3| {
+        if !directional {
+            return exitant.diffuse[node];
+        }
+        let towards = (point - sender.centre).normalize_or(sender.normal);
+        let cosine = towards.dot(sender.normal).max(sine);
+        limited(
+            exitant.towards(sender.id.node, towards),
+            exitance / (PI * sine * sine * cosine),
+        )
+    };
+    let mut sum = Vec3::ZERO;
+    let mut radiance = Rgb::BLACK;
+    let mut weight = 0.0;
+    let mut points = 0;
+    let mut from_point = |point: Vec3| {
+        let vector = polygon.vector_irradiance(point, receiver.normal);
+        points += 1;
+        sum += vector;
+        let strength = receiver.normal.map_or(vector.length(), |n| n.dot(vector));
+        if strength > 0.0 {
+            radiance += radiance_towards(point) * strength;
+            weight += strength;
+        }
+    };
+    match &receiver.polygon {
+        None => from_point(receiver.centre),
+        Some(receiving) => {
+            // Far links see one distance; near ones are averaged over 4, touching ones over 16 points.
+            let quarters = |from_point: &mut dyn FnMut(Vec3), shape: &Polygon| {
+                for child in 0..4 {
+                    from_point(shape.child(child).centre());
+                }
+            };
+            if sine < 0.25 {
+                from_point(receiving.centre());
+            } else if sine < 0.6 {
+                quarters(&mut from_point, receiving);
+            } else {
+                for child in 0..4 {
+                    quarters(&mut from_point, &receiving.child(child));
+                }
+            }
+        }
+    }
+    if weight <= 0.0 {
+        return None;
+    }
+    let vector = sum / points as f32;
+    let normal_irradiance = vector.length();
+    let direction = vector / normal_irradiance;
+    let irradiance = radiance / weight * normal_irradiance;
+    let spread = (normal_irradiance / PI).sqrt();
+    (!irradiance.is_black()).then_some(IlluminationSample {
+        direction,
+        irradiance,
+        spread,
+    })
+}
