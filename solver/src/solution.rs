@@ -40,7 +40,7 @@ pub struct Solution {
     pub materials: Vec<Material>,
     /// Cameras of the scene; never empty.
     pub cameras: Vec<Camera>,
-    /// Emitted radiance that a lamp shows at most; lets a viewer pick an exposure [W·sr⁻¹·m⁻²].
+    /// What the solve did and what it cost.
     pub stats: Stats,
 }
 

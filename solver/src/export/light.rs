@@ -49,6 +49,10 @@ pub(super) struct Light<'a> {
 /// walls the form factor of the other wall is not defined.
 const INSET: f32 = 1.0 / 12.0;
 
+/// Neighbouring vertices are twice as far apart as a corner is from the middle; a triangular filter that wide has the
+/// variance of a disc of this share.
+const BEND_WEIGHT: f32 = 0.5;
+
 /// Vertices that are gathered between two reports.
 const BATCH: usize = 4096;
 
@@ -180,7 +184,10 @@ impl<'a> Light<'a> {
         let element = &hierarchy.elements[hierarchy.node(vertex.leaf).element as usize];
         let material = vertex.material as usize;
         let lobe = self.prepared.lobes[material].as_ref();
-        let gloss = Gloss::of(lobe, self.prepared.diffuse[material]);
+        // Between vertices light is interpolated: directions that differ less than their normals do not count.
+        let bend = BEND_WEIGHT * hierarchy.bend(element);
+        let mut gloss = Gloss::of(lobe, self.prepared.diffuse[material]);
+        gloss.width = gloss.width.hypot(bend);
         let place = hierarchy.points[vertex.point as usize];
         // On smooth surfaces the middle of several leaves lies inside the solid: stay on one of them.
         let towards = if element.shading == NONE && vertex.centres.1 > 0 {
@@ -209,6 +216,7 @@ impl<'a> Light<'a> {
             self.prepared.diffuse[material],
             lobe,
             &config,
+            bend,
             projector,
         );
         VertexLight {

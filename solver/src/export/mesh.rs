@@ -169,14 +169,13 @@ impl Mesh {
             rest[before].1 = true;
             rest[after].1 = true;
             rest.remove(corner);
-            let left = rest.iter().filter(|r| r.1).count();
-            return self.fill_any(&rest, left);
+            return self.fan(&rest);
         }
-        self.fill_any(ring, corners);
+        self.fan(ring);
     }
 
     /// A fan from a hanging point, whose neighbours are corners, or from a corner if there is none.
-    fn fill_any(&mut self, ring: &[(u32, bool)], _: usize) {
+    fn fan(&mut self, ring: &[(u32, bool)]) {
         let n = ring.len();
         if n == 3 {
             return self.push([ring[0].0, ring[1].0, ring[2].0], 0b111);

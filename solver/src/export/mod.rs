@@ -95,6 +95,12 @@ fn assemble(
         element_edges: mesh.element_edges.clone(),
         ..Solution::default()
     };
+    let words = lit
+        .iter()
+        .flat_map(|l| &l.distribution)
+        .map(|words| words.len())
+        .sum();
+    solution.distribution_words.reserve_exact(words);
     for (vertex, light) in mesh.vertices.iter().zip(lit) {
         solution
             .position

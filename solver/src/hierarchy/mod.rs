@@ -154,6 +154,18 @@ impl Hierarchy {
             .normalize_or(element.normal)
     }
 
+    /// Angular radius over which mirror directions vary on an element [rad]: twice the largest angle between a
+    /// corner's shading normal and their mean. Zero on flat elements.
+    pub fn bend(&self, element: &Element) -> f32 {
+        if element.shading == NONE {
+            return 0.0;
+        }
+        let mean = self.shading_normal(element);
+        let corners = &self.shading_normals[element.shading as usize][..element.corner_count()];
+        let cosine = corners.iter().map(|n| n.dot(mean)).fold(1.0, f32::min);
+        2.0 * cosine.acos()
+    }
+
     /// The point in the middle of an edge, if some element has been split there.
     pub fn midpoint(&self, a: u32, b: u32) -> Option<u32> {
         self.midpoints.get(&(a.min(b), a.max(b))).copied()

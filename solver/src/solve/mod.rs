@@ -10,8 +10,8 @@ use crate::radiometry::Rgb;
 use crate::scene::Scene;
 use crate::solution::Solution;
 pub use prepare::Prepared;
-pub use shooting::Transported;
 pub(crate) use shooting::transport;
+pub use shooting::{FirstLinks, Transported, first_links};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -189,7 +189,7 @@ fn check_loss(scene: &Scene) -> Result<(), SolveError> {
             | crate::scene::Gloss::Ward { specular, .. } => specular,
         };
         let albedo = (material.diffuse + specular).max_channel();
-        if material.diffuse.max_channel() >= 1.0 {
+        if albedo >= 1.0 {
             return Err(SolveError::NoLoss {
                 material: material.name.clone(),
                 albedo,

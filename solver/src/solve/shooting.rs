@@ -19,6 +19,7 @@ use crate::transport::reflect::{ReflectConfig, Reflected, reflect};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Transport done: hierarchy, all light that arrives and leaves.
@@ -49,11 +50,55 @@ pub(crate) fn transport(
     watch: &mut Watch<'_>,
 ) -> Result<Transported, SolveError> {
     let mut shooting = Shooting::new(prepared, settings);
-    shooting.run(watch, &mut Vec::new(), false)?;
+    shooting.run(watch)?;
     Ok(shooting.finish())
 }
 
-/// The state of the iteration; public so that tests can look at every link.
+/// Everything about the links of the first iteration, where senders are emitters and their radiance is exact.
+pub struct FirstLinks {
+    /// Clusters and elements as refined by them.
+    pub hierarchy: Hierarchy,
+    /// Emitted light; only the nodes that it names can send.
+    pub emitted: Exitant,
+    /// The links with their bounds.
+    pub records: Vec<LinkRecord>,
+    /// Irradiance samples that they left.
+    pub samples: SampleSets,
+}
+
+/// Propagates emitted light once and keeps every link, for those who want to check bounds (§3.1).
+pub fn first_links(prepared: &Prepared, settings: &Settings) -> FirstLinks {
+    let mut shooting = Shooting::new(prepared, settings);
+    let emitted = shooting.unshot.clone();
+    let power = emitted.power.first().copied().unwrap_or(0.0);
+    let mut records = Vec::new();
+    let mut samples = SampleSets::default();
+    let environment = prepared.environment();
+    let mut hierarchy = std::mem::take(&mut shooting.hierarchy);
+    let propagation = Propagation {
+        environment: &environment,
+        exitant: &emitted,
+        node_count: hierarchy.nodes.len(),
+        cluster_gloss: &shooting.cluster_gloss,
+        accuracy: Accuracy {
+            tolerance: settings.link_tolerance * power,
+            min_radius: settings.min_radius,
+            strata: settings.strata,
+        },
+        with_point_lights: true,
+        record: true,
+    };
+    let mut go_on = || ControlFlow::Continue(());
+    propagation.run(&mut hierarchy, &mut samples, &mut records, &mut go_on);
+    FirstLinks {
+        hierarchy,
+        emitted,
+        records,
+        samples,
+    }
+}
+
+/// The state of the iteration.
 pub(crate) struct Shooting<'a> {
     prepared: &'a Prepared,
     settings: &'a Settings,
@@ -97,12 +142,7 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    fn run(
-        &mut self,
-        watch: &mut Watch<'_>,
-        records: &mut Vec<LinkRecord>,
-        record: bool,
-    ) -> Result<(), SolveError> {
+    fn run(&mut self, watch: &mut Watch<'_>) -> Result<(), SolveError> {
         let point_power: f64 = self
             .prepared
             .frame
@@ -134,11 +174,12 @@ impl<'a> Shooting<'a> {
                     strata: self.settings.strata,
                 },
                 with_point_lights: iteration == 0,
-                record,
+                record: false,
             };
             let mut new = SampleSets::default();
             let mut report = || watch.report("light transport", done);
-            let links = propagation.run(&mut self.hierarchy, &mut new, records, &mut report);
+            let links =
+                propagation.run(&mut self.hierarchy, &mut new, &mut Vec::new(), &mut report);
             self.links.add(&links);
             self.stats.solve.illumination_samples += new.len() as u64;
             self.stats.solve.phases_s.propagate += started.elapsed().as_secs_f64();
@@ -228,12 +269,14 @@ impl<'a> Shooting<'a> {
                     let material = element.material as usize;
                     let normal = hierarchy.shading_normal(element);
                     let lobe = prepared.lobes[material].as_ref();
+                    let bend = hierarchy.bend(element);
                     reflect(
                         field,
                         normal,
                         prepared.diffuse[material],
                         lobe,
                         config,
+                        bend,
                         projector,
                     )
                 },

@@ -118,7 +118,7 @@ const CLUSTER_DISTANCE: f32 = 1.5;
 
 /// Light between surfaces closer than a cluster can stand for is left out where the sender's whole power is this
 /// share of the tolerance: it stays within a small thing.
-const NEGLIGIBLE: f32 = 0.05;
+const NEGLIGIBLE: f32 = 0.02;
 
 /// True when an end of the link is a cluster that the other is too close to. However weak the link: intensity over
 /// distance squared is without bound near a flat cluster, and light between such surfaces would grow.

@@ -25,7 +25,7 @@ impl Rays<'_> {
     /// Mean transmittance over `side`² rays, and whether they differ.
     pub(super) fn strata(&self, side: u32, stats: &mut LinkStats) -> (Rgb, bool) {
         let seed = hash::mix(self.sender.id.node, self.receiver_node);
-        let (mut sum, mut count) = (Rgb::BLACK, 0u32);
+        let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
         let (mut least, mut most) = (f32::INFINITY, 0.0f32);
         let all = side * side;
         for ray in 0..all {
@@ -35,7 +35,7 @@ impl Rays<'_> {
                     if all == 1 {
                         0.5
                     } else {
-                        0.15 + 0.7 * hash::unit(seed.wrapping_add(ray), salt + axis)
+                        0.02 + 0.96 * hash::unit(seed.wrapping_add(ray), salt + axis)
                     }
                 };
                 Vec2::new(
@@ -45,40 +45,59 @@ impl Rays<'_> {
             };
             // A fixed permutation pairs strata of the two ends that are not alike.
             let seed_of = |salt: u32| hash::mix(seed, ray ^ salt);
-            let to = self.sender_point(at(ray, 10), seed_of(0));
-            let ends = to.and_then(|to| {
-                self.receiver_point(at((ray * 7 + 3) % all, 20), seed_of(0x5555), to.0)
-                    .map(|from| (from, to))
-            });
-            // A cluster without a surface that faces the other end has nothing to see or to send from there.
-            let occluders = self.occluders;
-            let passed = ends.map_or(Rgb::BLACK, |(from, to)| {
-                occluders.transmittance(from.0, to.0, [from.1, to.1])
-            });
+            let Some(to) = self.sender_point(at(ray, 10), seed_of(0)) else {
+                continue;
+            };
+            let uv = at((ray * 7 + 3) % all, 20);
+            let Some(from) = self.receiver_point(uv, seed_of(0x5555), to.point) else {
+                continue;
+            };
+            let passed = self
+                .occluders
+                .transmittance(from.point, to.point, [from.patch, to.patch]);
             stats.rays += 1;
-            sum += passed;
-            count += 1;
+            let weight = from.cosine * to.cosine;
+            sum += passed * weight;
+            weights += weight;
             least = least.min(passed.mean());
             most = most.max(passed.mean());
         }
-        (sum / count as f32, most > least)
+        // A cluster without a surface that faces the other end has nothing to see or to send from there.
+        if weights > 0.0 {
+            (sum / weights, most > least)
+        } else {
+            (Rgb::BLACK, false)
+        }
     }
 
-    fn sender_point(&self, uv: Vec2, seed: u32) -> Option<(Vec3, u32)> {
+    fn sender_point(&self, uv: Vec2, seed: u32) -> Option<RayEnd> {
         if let Some(polygon) = &self.sender.polygon {
-            return Some((polygon.point(uv), self.sender.patch));
+            return Some(RayEnd {
+                point: polygon.point(uv),
+                patch: self.sender.patch,
+                cosine: 1.0,
+            });
         }
         let power = &self.exitant.power;
         let weight = |id: NodeId| power.get(id as usize).copied().unwrap_or(0.0);
         self.surface_point(self.sender.id.node, seed, self.receiver.centre, weight)
     }
 
-    fn receiver_point(&self, uv: Vec2, seed: u32, towards: Vec3) -> Option<(Vec3, u32)> {
+    fn receiver_point(&self, uv: Vec2, seed: u32, towards: Vec3) -> Option<RayEnd> {
+        let patch = self.receiver.patch;
         if self.receiver.radius == 0.0 {
-            return Some((self.receiver.centre, self.receiver.patch));
+            return Some(RayEnd {
+                point: self.receiver.centre,
+                patch,
+                cosine: 1.0,
+            });
         }
         if let Some(polygon) = &self.receiver.polygon {
-            return Some((polygon.point(uv), self.receiver.patch));
+            return Some(RayEnd {
+                point: polygon.point(uv),
+                patch,
+                cosine: 1.0,
+            });
         }
         self.surface_point(self.receiver_node, seed, towards, |id| {
             self.hierarchy.node(id).area
@@ -86,14 +105,14 @@ impl Rays<'_> {
     }
 
     /// A point on a surface of a cluster that faces `seen_from`, if a few tries find one; nodes are chosen in
-    /// proportion to `weight`, surfaces that face the point squarely more often than those seen at an angle.
+    /// proportion to `weight`.
     fn surface_point(
         &self,
         cluster: NodeId,
         seed: u32,
         seen_from: Vec3,
         weight: impl Fn(NodeId) -> f32,
-    ) -> Option<(Vec3, u32)> {
+    ) -> Option<RayEnd> {
         const TRIES: u32 = 12;
         (0..TRIES).find_map(|attempt| {
             let mut id = cluster;
@@ -119,7 +138,20 @@ impl Rays<'_> {
             let uv = Vec2::new(hash::unit(seed, salt + 30), hash::unit(seed, salt + 31));
             let point = element.polygon.point(uv);
             let cosine = (seen_from - point).normalize_or_zero().dot(element.normal);
-            (cosine > hash::unit(seed, salt + 32)).then_some((point, element.patch))
+            (cosine > 0.0).then_some(RayEnd {
+                point,
+                patch: element.patch,
+                cosine,
+            })
         })
     }
+}
+
+/// A point that a ray starts or ends at.
+struct RayEnd {
+    point: Vec3,
+    /// Whose surface does not block.
+    patch: u32,
+    /// Cosine to the other end on clusters, where the sample does not hold it.
+    cosine: f32,
 }

@@ -130,6 +130,7 @@ pub struct ReflectConfig {
 }
 
 /// Reflects `samples` at a surface with `normal`, diffuse reflectance `diffuse` and, if glossy, `lobe`.
+/// `bend`: angular radius [rad] over which mirror directions vary within the place, on curved surfaces.
 /// One BRDF evaluation per sample and direction that it can reach. Source: §3.3, §4.2.
 pub fn reflect(
     samples: &[IlluminationSample],
@@ -137,6 +138,7 @@ pub fn reflect(
     diffuse: Rgb,
     lobe: Option<&Lobe>,
     config: &ReflectConfig,
+    bend: f32,
     projector: &mut Projector,
 ) -> Reflected {
     let mut out = Reflected::default();
@@ -152,7 +154,7 @@ pub fn reflect(
         if let Some(lobe) = lobe {
             let weight = irradiance * lobe.specular;
             glossy_exitance += weight * lobe.albedo(cosine);
-            let spread = lobe.spread(sample.spread);
+            let spread = lobe.spread(sample.spread.hypot(bend));
             let weight = weight * spread.factor;
             let mirror = brdf::reflect(normal, sample.direction);
             incoming.push(Incoming {

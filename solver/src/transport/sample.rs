@@ -31,31 +31,30 @@ pub(super) fn unoccluded_sample(
             value
         }
     };
-    let Some(polygon) = sender.polygon else {
-        let direction = offset / distance;
-        let solid_angle = TAU * (1.0 - (1.0 - sine * sine).max(0.0).sqrt());
-        let intensity = limited(
-            exitant.towards(sender.id.node, -direction),
-            exitant.power[node] / solid_angle,
-        );
-        let irradiance = intensity / (distance * distance);
-        return (!irradiance.is_black()).then_some(IlluminationSample {
-            direction,
-            irradiance,
-            spread: sine,
-        });
-    };
     let directional = exitant.distribution[node].is_some();
-    let exitance = exitant.power[node] / sender.node_area;
-    let radiance_towards = |point: Vec3| {
+    // Unit radiance (intensity, of clusters) as a vector that points towards the sender, and what is sent.
+    let from_one_point = |point: Vec3| -> (Vec3, Rgb) {
+        let Some(polygon) = sender.polygon else {
+            let offset = sender.centre - point;
+            let near = offset.length();
+            let solid_angle = TAU * (1.0 - (1.0 - sine * sine).max(0.0).sqrt());
+            let intensity = exitant.towards(sender.id.node, -offset / near);
+            return (
+                offset / (near * near * near),
+                limited(intensity, exitant.power[node] / solid_angle),
+            );
+        };
+        let vector = polygon.vector_irradiance(point, receiver.normal);
         if !directional {
-            return exitant.diffuse[node];
+            return (vector, exitant.diffuse[node]);
         }
         let towards = (point - sender.centre).normalize_or(sender.normal);
         let cosine = towards.dot(sender.normal).max(sine);
-        limited(
-            exitant.towards(sender.id.node, towards),
-            exitance / (PI * sine * sine * cosine),
+        let exitance = exitant.power[node] / sender.node_area;
+        let most = exitance / (PI * sine * sine * cosine);
+        (
+            vector,
+            limited(exitant.towards(sender.id.node, towards), most),
         )
     };
     let mut sum = Vec3::ZERO;
@@ -63,12 +62,12 @@ pub(super) fn unoccluded_sample(
     let mut weight = 0.0;
     let mut points = 0;
     let mut from_point = |point: Vec3| {
-        let vector = polygon.vector_irradiance(point, receiver.normal);
+        let (vector, sent) = from_one_point(point);
         points += 1;
-        sum += vector;
         let strength = receiver.normal.map_or(vector.length(), |n| n.dot(vector));
         if strength > 0.0 {
-            radiance += radiance_towards(point) * strength;
+            sum += vector;
+            radiance += sent * strength;
             weight += strength;
         }
     };
@@ -99,7 +98,11 @@ pub(super) fn unoccluded_sample(
     let normal_irradiance = vector.length();
     let direction = vector / normal_irradiance;
     let irradiance = radiance / weight * normal_irradiance;
-    let spread = (normal_irradiance / PI).sqrt();
+    let spread = match sender.polygon {
+        Some(_) => (normal_irradiance / PI).sqrt(),
+        // A cluster fills about half of the sphere around it.
+        None => 0.7 * sine,
+    };
     (!irradiance.is_black()).then_some(IlluminationSample {
         direction,
         irradiance,
