@@ -6,7 +6,6 @@ mod shooting;
 use crate::config::{Quality, Settings};
 use crate::error::SolveError;
 use crate::export;
-use crate::radiometry::Rgb;
 use crate::scene::Scene;
 use crate::solution::Solution;
 pub use prepare::Prepared;
@@ -180,15 +179,11 @@ pub fn solve(
     Ok(solution)
 }
 
-/// Refuses reflectances of 1: in a closed scene the light would never end.
+/// Refuses diffuse reflectances of 1: in a closed scene the light would never end. Glossy lobes lose light at grazing
+/// angles, so a sum of 1 has a limit.
 fn check_loss(scene: &Scene) -> Result<(), SolveError> {
     for material in scene.materials() {
-        let specular = match material.gloss {
-            crate::scene::Gloss::None => Rgb::BLACK,
-            crate::scene::Gloss::Phong { specular, .. }
-            | crate::scene::Gloss::Ward { specular, .. } => specular,
-        };
-        let albedo = (material.diffuse + specular).max_channel();
+        let albedo = material.diffuse.max_channel();
         if albedo >= 1.0 {
             return Err(SolveError::NoLoss {
                 material: material.name.clone(),
