@@ -362,10 +362,10 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// Power that leaves the scene [mean over channels], by rays of its own: cosine-distributed from every leaf and
-    /// weighted with its radiance in their direction.
+    /// Power that leaves the scene [mean over channels], by rays of its own: cosine-distributed from every leaf, in
+    /// proportion to its power, and weighted with its radiance in their direction.
     fn escaped(&self, exitant: &Exitant) -> f64 {
-        const RAYS_IN_ALL: usize = 1 << 18;
+        const RAYS_IN_ALL: f64 = 524_288.0;
         let leaves: Vec<NodeId> = self
             .hierarchy
             .elements
@@ -373,10 +373,15 @@ impl<'a> Shooting<'a> {
             .map(|e| e.node)
             .filter(|&id| self.hierarchy.is_leaf(id) && exitant.peak[id as usize] > 0.0)
             .collect();
-        let rays = (RAYS_IN_ALL / leaves.len().max(1)).clamp(16, 4096) as u32;
+        let sent: f64 = leaves
+            .iter()
+            .map(|&id| f64::from(exitant.power[id as usize]))
+            .sum();
         let of_leaf = |id: NodeId| -> f64 {
             let element = &self.hierarchy.elements[self.hierarchy.node(id).element as usize];
             let (tangent, bitangent) = element.normal.any_orthonormal_pair();
+            let share = f64::from(exitant.power[id as usize]) / sent;
+            let rays = 8 + (RAYS_IN_ALL * share) as u32;
             let (mut escaped, mut sent) = (0.0f64, 0.0f64);
             for ray in 0..rays {
                 // A rank-1 lattice: radius by order, the rest by multiples of irrational steps.
