@@ -76,6 +76,8 @@ pub struct Settings {
     pub epsilon: f32,
     /// The same in transport, where light is averaged over receivers.
     pub transport_epsilon: f32,
+    /// Radiance that carries no direction in transport, as a share of the mean of the scene.
+    pub least_directional: f32,
     /// Deepest level of the basis in transport.
     pub transport_level: u32,
     /// Deepest level of the basis at vertices.
@@ -111,6 +113,7 @@ impl Settings {
             strata: step([2, 2, 3, 4]),
             epsilon: knob(0.8, 0.15),
             transport_epsilon: knob(1.5, 0.3),
+            least_directional: knob(0.15, 0.01),
             transport_level: step([4, 4, 5, 6]),
             display_level: step([4, 5, 6, 6]),
             sharpest_roughness: knob(0.06, 0.02),

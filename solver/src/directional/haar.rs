@@ -18,9 +18,15 @@ pub trait Source {
     /// Radiance towards `direction`, given the candidates in `range` of the list that [`Self::narrow`] writes.
     fn eval(&mut self, candidates: &[u32], direction: Vec3) -> Rgb;
 
-    /// Appends to `kept` those of `candidates` that can matter within `radius` [rad] of `centre`. A source without
-    /// candidates appends nothing.
-    fn narrow(&self, candidates: &[u32], centre: Vec3, level: usize, kept: &mut Vec<u32>);
+    /// Appends to `list` those of its entries in `range` that can matter in the triangle of `level` around `centre`. A
+    /// source without candidates appends nothing.
+    fn narrow(
+        &self,
+        list: &mut Vec<u32>,
+        range: std::ops::Range<usize>,
+        centre: Vec3,
+        level: usize,
+    );
 
     /// All candidates.
     fn candidate_count(&self) -> u32;
@@ -167,9 +173,8 @@ impl Projector {
             .is_some_and(|normal| normal.dot(centre) < -radius.sin());
         let first = self.candidates.len();
         if !cell.below_horizon {
-            // `narrow` reads from the front of the list and appends to it: split off what it reads.
-            let parents: Vec<u32> = self.candidates[start as usize..end as usize].to_vec();
-            source.narrow(&parents, centre, usize::from(level), &mut self.candidates);
+            let range = start as usize..end as usize;
+            source.narrow(&mut self.candidates, range, centre, usize::from(level));
         }
         cell.candidates = (first as u32, self.candidates.len() as u32);
         self.cells.push(cell);
@@ -374,7 +379,7 @@ mod tests {
         fn eval(&mut self, _: &[u32], direction: Vec3) -> Rgb {
             Rgb::splat((self.0)(direction))
         }
-        fn narrow(&self, _: &[u32], _: Vec3, _: usize, _: &mut Vec<u32>) {}
+        fn narrow(&self, _: &mut Vec<u32>, _: std::ops::Range<usize>, _: Vec3, _: usize) {}
         fn candidate_count(&self) -> u32 {
             0
         }

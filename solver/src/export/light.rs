@@ -333,7 +333,7 @@ impl Source for Mean<'_> {
             }
         })
     }
-    fn narrow(&self, _: &[u32], _: Vec3, _: usize, _: &mut Vec<u32>) {}
+    fn narrow(&self, _: &mut Vec<u32>, _: std::ops::Range<usize>, _: Vec3, _: usize) {}
     fn candidate_count(&self) -> u32 {
         0
     }

@@ -234,7 +234,7 @@ impl<'a> Shooting<'a> {
             epsilon: self.settings.transport_epsilon,
             max_level: self.settings.transport_level,
             floor: 0.3,
-            least: 0.05 * mean,
+            least: self.settings.least_directional * mean,
             conserve: true,
         }
     }

@@ -61,6 +61,23 @@ impl Exitant {
         }
     }
 
+    /// The same from five directions in the cone: hoped bounds at a fixed cost.
+    pub fn sampled_bounds(&self, id: NodeId, axis: Vec3, half_angle: f32) -> (f32, f32) {
+        if half_angle > 1.0 {
+            return self.bounds(id, axis, half_angle);
+        }
+        let (tangent, bitangent) = axis.any_orthonormal_pair();
+        let out = half_angle.tan();
+        let middle = self.towards(id, axis).mean();
+        [tangent, bitangent, -tangent, -bitangent].into_iter().fold(
+            (middle, middle),
+            |(low, high), side| {
+                let value = self.towards(id, (axis + side * out).normalize()).mean();
+                (low.min(value), high.max(value))
+            },
+        )
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.distribution

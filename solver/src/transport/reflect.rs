@@ -71,14 +71,27 @@ impl Source for Reflection<'_> {
         sum
     }
 
-    fn narrow(&self, candidates: &[u32], centre: Vec3, level: usize, kept: &mut Vec<u32>) {
+    fn narrow(
+        &self,
+        list: &mut Vec<u32>,
+        range: std::ops::Range<usize>,
+        centre: Vec3,
+        level: usize,
+    ) {
+        // A short list is not worth the test.
+        if range.len() <= LANES / 4 {
+            return list.extend_from_within(range);
+        }
         let (sine, cosine) = octahedron::radius(level).sin_cos();
-        kept.extend(candidates.iter().filter(|&&candidate| {
+        for i in range {
+            let candidate = list[i];
             let from = &self.incoming[candidate as usize];
             // Cosine of cutoff plus radius; both are below a right angle.
             let (cos_cutoff, sin_cutoff) = from.spread.cutoff;
-            from.mirror.dot(centre) >= cos_cutoff * cosine - sin_cutoff * sine
-        }));
+            if from.mirror.dot(centre) >= cos_cutoff * cosine - sin_cutoff * sine {
+                list.push(candidate);
+            }
+        }
     }
 
     fn candidate_count(&self) -> u32 {
@@ -125,7 +138,7 @@ pub struct ReflectConfig {
     pub floor: f32,
     /// Radiance anywhere in the scene that such a floor never falls below.
     pub least: f32,
-    /// Make the projection carry exactly the reflected power.
+    /// Make the projection carry exactly the reflected power; glossy light weaker than `least` becomes diffuse.
     pub conserve: bool,
 }
 
@@ -173,6 +186,11 @@ pub fn reflect(
         return out;
     }
     let mean_glossy = glossy_exitance.mean() * std::f32::consts::FRAC_1_PI;
+    if config.conserve && mean_glossy < config.least {
+        // Too weak for its direction to matter to others: it travels with the diffuse light.
+        out.diffuse += glossy_exitance * std::f32::consts::FRAC_1_PI;
+        return out;
+    }
     let how = Projection {
         min_level: 1,
         max_level: config.max_level.min(finest_level(lobe)),
