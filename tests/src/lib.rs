@@ -1,1 +1,31 @@
 //! Builders, tolerances and image differences that the integration tests share.
+#![allow(
+    clippy::print_stdout,
+    reason = "figures of tests are read from their output"
+)]
+
+pub mod images;
+pub mod measure;
+pub mod program;
+pub mod scenes;
+pub mod shared;
+
+use std::fmt::Display;
+
+/// Panics unless `found` is within `relative` of `expected`; the message holds both and the error.
+///
+/// Why a tolerance has its value stands with the caller.
+#[track_caller]
+pub fn assert_close(what: impl Display, found: f64, expected: f64, relative: f64) {
+    let error = found / expected - 1.0;
+    println!(
+        "{what}: {found:.6}, expected {expected:.6}, error {:+.4} %",
+        error * 100.0
+    );
+    assert!(
+        error.abs() <= relative,
+        "{what}: {found}, expected {expected} within {} %, error {:+.4} %",
+        relative * 100.0,
+        error * 100.0
+    );
+}
