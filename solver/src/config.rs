@@ -108,10 +108,10 @@ impl Settings {
         let knob = |draft: f32, high: f32| draft * (high / draft).powf(q / 3.0);
         let step = |values: [u32; 4]| values[(q.round() as usize).min(3)];
         Self {
-            link_tolerance: knob(4e-4, 8e-6),
+            link_tolerance: knob(4e-4, 2e-5),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
-            epsilon: knob(0.8, 0.15),
+            epsilon: knob(1.0, 0.25),
             transport_epsilon: knob(1.5, 0.3),
             least_directional: knob(0.15, 0.01),
             transport_level: step([4, 4, 5, 6]),
@@ -119,11 +119,11 @@ impl Settings {
             sharpest_roughness: knob(0.06, 0.02),
             unshot_share: knob(2e-2, 5e-4),
             gather: q > 0.0,
-            vertex_tolerance: knob(0.1, 0.006),
+            vertex_tolerance: knob(0.12, 0.012),
             vertex_strata: step([2, 2, 3, 4]),
-            mesh_tolerance: knob(0.2, 0.02),
+            mesh_tolerance: knob(0.25, 0.04),
             max_edge: knob(1.0 / 6.0, 1.0 / 32.0),
-            min_edge: knob(1.0 / 32.0, 1.0 / 384.0),
+            min_edge: knob(1.0 / 32.0, 1.0 / 256.0),
         }
     }
 }

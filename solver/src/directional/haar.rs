@@ -31,9 +31,9 @@ pub trait Source {
     /// All candidates.
     fn candidate_count(&self) -> u32;
 
-    /// A value that the function may reach in a cell with these candidates although no sample shows it: cells much
+    /// A value that the function may reach in the cell around `centre` with these candidates although no sample shows it: cells much
     /// larger than the sharpest feature are split while this matters. Zero for sources that know no bound.
-    fn hidden_peak(&self, candidates: &[u32], level: usize) -> f32;
+    fn hidden_peak(&self, candidates: &[u32], centre: Vec3, level: usize) -> f32;
 }
 
 /// How finely to project.
@@ -197,11 +197,10 @@ impl Projector {
         }
         let values = cell.vertices.map(|v| self.values[v as usize]);
         let (start, end) = cell.candidates;
-        let hidden = source.hidden_peak(
-            &self.candidates[start as usize..end as usize],
-            level as usize,
-        );
-        let centre = self.eval(index, source, octahedron::centre(self.corners(&cell)));
+        let middle = octahedron::centre(self.corners(&cell));
+        let candidates = &self.candidates[start as usize..end as usize];
+        let hidden = source.hidden_peak(candidates, middle, level as usize);
+        let centre = self.eval(index, source, middle);
         let largest = values.iter().fold(centre, |m, &v| m.max(v));
         let smallest = values.iter().fold(centre, |m, &v| m.min(v));
         let mean = (values[0] + values[1] + values[2]) / 3.0;
@@ -383,7 +382,7 @@ mod tests {
         fn candidate_count(&self) -> u32 {
             0
         }
-        fn hidden_peak(&self, _: &[u32], _: usize) -> f32 {
+        fn hidden_peak(&self, _: &[u32], _: Vec3, _: usize) -> f32 {
             0.0
         }
     }

@@ -7,6 +7,7 @@ use crate::config::Settings;
 use crate::hierarchy::{Element, Hierarchy};
 use crate::radiometry::Rgb;
 use crate::solve::{Prepared, Watch};
+use crate::transport::propagate::Gloss;
 use rayon::prelude::*;
 
 /// Splits leaves above the largest size; glossy ones until they are small against their lobe.
@@ -22,11 +23,14 @@ pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &
             continue;
         }
         let edge = hierarchy.node(element.node).radius * std::f32::consts::SQRT_2;
-        let most = match &prepared.lobes[element.material as usize] {
-            Some(lobe) => settings
-                .max_edge
-                .min((lobe.half_width * VIEWING_DISTANCE).max(settings.min_edge * 2.0)),
-            None => settings.max_edge,
+        let lobe = prepared.lobes[element.material as usize].as_ref();
+        let gloss = Gloss::of(lobe, prepared.diffuse[element.material as usize]);
+        let most = if gloss.share > 0.0 {
+            // A faint lobe over a bright surface may be coarser.
+            let size = gloss.width * VIEWING_DISTANCE / gloss.share.sqrt();
+            settings.max_edge.min(size.max(settings.min_edge * 2.0))
+        } else {
+            settings.max_edge
         };
         if edge > most {
             hierarchy.subdivide(element.node);

@@ -98,13 +98,15 @@ impl Source for Reflection<'_> {
         self.incoming.len() as u32
     }
 
-    fn hidden_peak(&self, candidates: &[u32], level: usize) -> f32 {
-        // Where corners and centre are closer together than a lobe is wide, nothing of it can hide.
+    fn hidden_peak(&self, candidates: &[u32], centre: Vec3, level: usize) -> f32 {
+        // Where corners and centre are closer together than a lobe is wide, nothing of it can hide; and a peak
+        // hides in the cell that it stands in.
         let radius = octahedron::radius(level);
         candidates
             .iter()
             .map(|&c| &self.incoming[c as usize])
             .filter(|from| radius >= 1.2 * from.spread.half_width)
+            .filter(|from| from.mirror.dot(centre) >= (radius + 0.5 * from.spread.half_width).cos())
             .map(|from| from.weight.max_channel() * from.spread.peak / from.spread.factor)
             .fold(0.0, f32::max)
     }
