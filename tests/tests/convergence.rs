@@ -20,16 +20,21 @@ fn solved(shared: &Path, scene: &str, quality: Quality) -> Solution {
     solve(&scene, &config, &mut ()).unwrap()
 }
 
-/// Solves at draft, preview and default quality; the mean error over `cameras` must fall, and be within `relmse` at
-/// the default.
-fn check(scene: &str, cameras: &[&str], relmse: f64) {
+/// Solves from draft to the `highest` quality; the mean error over `cameras` must fall, and be within `relmse` at the default.
+fn check(scene: &str, cameras: &[&str], relmse: f64, highest: Quality) {
     let Some(shared) = shared(scene) else { return };
     let references: Vec<Reference> = cameras
         .iter()
         .map(|camera| Reference::read(&shared, &format!("{scene}.{camera}")))
         .collect();
     let (mut errors, mut faults) = (Vec::new(), Vec::new());
-    for quality in [Quality::DRAFT, Quality::PREVIEW, Quality::DEFAULT] {
+    let qualities = [
+        Quality::DRAFT,
+        Quality::PREVIEW,
+        Quality::DEFAULT,
+        Quality::HIGH,
+    ];
+    for quality in qualities.into_iter().filter(|quality| *quality <= highest) {
         let solution = solved(&shared, scene, quality);
         let mut sum = 0.0;
         for (camera, reference) in cameras.iter().zip(&references) {
@@ -62,8 +67,9 @@ fn check(scene: &str, cameras: &[&str], relmse: f64) {
         }
         errors.push(sum / cameras.len() as f64);
     }
-    // From draft to default; preview in between may be a little worse than either by luck of its mesh.
-    if errors[2] >= errors[0] {
+    // Each step more than halves the tolerances. Near the reference's own noise a difference means nothing: errors of
+    // a thousandth count as equal.
+    if errors.windows(2).any(|pair| pair[1] >= pair[0].max(1e-3)) {
         faults.push(format!("the error does not fall: {errors:?}"));
     }
     assert!(faults.is_empty(), "{scene}: {faults:#?}");
@@ -71,20 +77,26 @@ fn check(scene: &str, cameras: &[&str], relmse: f64) {
 
 #[test]
 fn cornell() {
-    check("cornell", &["front"], 0.03);
+    check("cornell", &["front"], 0.03, Quality::HIGH);
 }
 
 #[test]
 fn cornell_glossy() {
-    check("cornell_glossy", &["front", "inside"], 0.08);
+    // High quality takes half a minute here; the other scenes show that it pays.
+    check(
+        "cornell_glossy",
+        &["front", "inside"],
+        0.08,
+        Quality::DEFAULT,
+    );
 }
 
 #[test]
 fn three_lights() {
-    check("three_lights", &["overview", "wall"], 0.08);
+    check("three_lights", &["overview", "wall"], 0.08, Quality::HIGH);
 }
 
 #[test]
 fn sphere() {
-    check("sphere", &["front", "low"], 0.08);
+    check("sphere", &["front", "low"], 0.08, Quality::HIGH);
 }
