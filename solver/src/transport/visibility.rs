@@ -112,9 +112,10 @@ impl Occluders {
     }
 
     /// What part of the light from `from` reaches `to`, per channel. Surfaces of the two `ends` patches do not block:
-    /// they are planar and the points lie on them.
+    /// they are planar and the points lie on them. Of several surfaces in the same place as `to`, one is seen: the
+    /// first patch; or what lies in one plane twice would send its light twice.
     pub fn transmittance(&self, from: Vec3, to: Vec3, ends: [u32; 2]) -> Rgb {
-        let ray = Ray::new(from.into(), (to - from).into(), END_GAP, 1.0 - END_GAP);
+        let ray = Ray::new(from.into(), (to - from).into(), END_GAP, 1.0 + END_GAP);
         self.along(ray, ends)
     }
 
@@ -152,6 +153,9 @@ impl Occluders {
                 return f32::INFINITY;
             }
             let t = face.intersect(ray);
+            if t > 1.0 - END_GAP && ray.tmax < 2.0 && face.patch > ends[1] {
+                return f32::INFINITY;
+            }
             if face.tint != NO_PATCH && t < f32::INFINITY {
                 // Glass tints and lets the search go on.
                 passed = passed * self.tints[face.tint as usize];
