@@ -68,6 +68,9 @@ impl FromStr for Quality {
 pub struct Settings {
     /// Tolerance of a link as a share of the emitted power (§3.1). Smaller: more links, about as its inverse.
     pub link_tolerance: f32,
+    /// Largest error of the irradiance of a link as a share of what the emitted power would be, spread evenly: small
+    /// elements carry no power, but they are seen.
+    pub link_irradiance: f32,
     /// Elements with a smaller radius are not split by links; scene size 1.
     pub min_radius: f32,
     /// Stratification of an important link's visibility: its square is cast.
@@ -109,6 +112,7 @@ impl Settings {
         let step = |values: [u32; 4]| values[(q.round() as usize).min(3)];
         Self {
             link_tolerance: knob(4e-4, 2e-5),
+            link_irradiance: knob(1.0, 0.05),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
             epsilon: knob(1.0, 0.25),

@@ -79,6 +79,7 @@ impl<'a> Light<'a> {
             cluster_gloss: &transported.cluster_gloss,
             accuracy: Accuracy {
                 tolerance: 0.0,
+                most_irradiance: 0.0,
                 min_radius: 0.0,
                 strata: settings.vertex_strata,
             },

@@ -82,6 +82,7 @@ pub fn first_links(prepared: &Prepared, settings: &Settings) -> FirstLinks {
         cluster_gloss: &shooting.cluster_gloss,
         accuracy: Accuracy {
             tolerance: settings.link_tolerance * power,
+            most_irradiance: settings.link_irradiance * power / hierarchy.node(0).area,
             min_radius: settings.min_radius,
             strata: settings.strata,
         },
@@ -170,6 +171,8 @@ impl<'a> Shooting<'a> {
                 cluster_gloss: &self.cluster_gloss,
                 accuracy: Accuracy {
                     tolerance: self.settings.link_tolerance * emitted as f32,
+                    most_irradiance: self.settings.link_irradiance * emitted as f32
+                        / self.hierarchy.node(0).area,
                     min_radius: self.settings.min_radius,
                     strata: self.settings.strata,
                 },

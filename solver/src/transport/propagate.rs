@@ -39,6 +39,8 @@ pub struct Environment<'a> {
 pub struct Accuracy {
     /// Largest (Emax - Emin) · area · reflectance of a link [mean over channels, normalised power].
     pub tolerance: f32,
+    /// Largest Emax - Emin of a link, however small its receiver [mean over channels, normalised irradiance].
+    pub most_irradiance: f32,
     /// Elements with a smaller radius are not split.
     pub min_radius: f32,
     /// Rays along each axis of the stratification of an important link; their square is cast.
@@ -286,7 +288,7 @@ impl Propagation<'_> {
         let mut outcome = Outcome::default();
         let reflecting_area = hierarchy.node(id).reflecting_area;
         let receiver = Receiver::node(hierarchy, id);
-        let limit = self.accuracy.tolerance / reflecting_area;
+        let limit = (self.accuracy.tolerance / reflecting_area).min(self.accuracy.most_irradiance);
         let gloss = self.gloss(hierarchy, id);
         let can_split = match hierarchy.element_of(id) {
             Some(_) => !hierarchy.is_leaf(id) || receiver.radius > self.accuracy.min_radius,
@@ -535,7 +537,7 @@ impl Propagation<'_> {
             };
             let cast = self.rays(hierarchy, NONE, receiver, &sender);
             let (transmittance, mixed) = cast.strata(strata, &mut stats);
-            if mixed && can_refine && sender.polygon.is_none() && strength > limit {
+            if mixed && can_refine && strength > limit {
                 sender.parts(hierarchy, self.node_count, |part| stack.push(part));
                 continue;
             }
