@@ -67,6 +67,28 @@ impl Polygon {
         }
     }
 
+    /// Visits the points of a quadrature of equal weights that is exact for quadratic functions on triangles and
+    /// cubic ones on parallelograms: a mean over the shape.
+    pub fn quadrature(&self, mut visit: impl FnMut(Vec3)) {
+        if self.count == 4 {
+            // Gauss-Legendre, ½ ± ½/√3 along each axis.
+            const NEAR: f32 = 0.211_324_87;
+            for uv in [
+                (NEAR, NEAR),
+                (1.0 - NEAR, NEAR),
+                (NEAR, 1.0 - NEAR),
+                (1.0 - NEAR, 1.0 - NEAR),
+            ] {
+                visit(self.point(uv.into()));
+            }
+        } else {
+            let sum = self.corners[0] + self.corners[1] + self.corners[2];
+            for &corner in self.corners() {
+                visit(corner * 0.5 + sum * (1.0 / 6.0));
+            }
+        }
+    }
+
     /// Child 0..4 of the 4:1 subdivision by edge midpoints. Child i < 3 (triangle) or i < 4 (quad) holds corner i.
     pub fn child(&self, child: usize) -> Self {
         let c = &self.corners;
@@ -181,6 +203,25 @@ mod tests {
             (form_factor - 0.199824895698387).abs() < 2e-5,
             "{form_factor}"
         );
+    }
+
+    #[test]
+    fn the_quadrature_is_exact_for_quadratics() {
+        let quad = unit_square(0.0);
+        let triangle = Polygon::new(&[Vec3::ZERO, Vec3::X, Vec3::Y]);
+        // Means of x² + xy: 1/3 + 1/4 over the square, 1/6 + 1/12 over the triangle.
+        for (shape, mean) in [(quad, 7.0 / 12.0), (triangle, 0.25)] {
+            let (mut sum, mut count) = (0.0, 0.0f32);
+            shape.quadrature(|p| {
+                sum += p.x * p.x + p.x * p.y;
+                count += 1.0;
+            });
+            assert!(
+                (sum / count - mean).abs() < 1e-6,
+                "{} against {mean}",
+                sum / count
+            );
+        }
     }
 
     #[test]

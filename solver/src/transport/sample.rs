@@ -1,6 +1,5 @@
 //! The illumination sample of a link as if nothing stood between its ends.
 
-use crate::geometry::Polygon;
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::IlluminationSample;
@@ -74,19 +73,14 @@ pub(super) fn unoccluded_sample(
     match &receiver.polygon {
         None => from_point(receiver.centre),
         Some(receiving) => {
-            // Far links see one distance; near ones are averaged over 4, touching ones over 16 points.
-            let quarters = |from_point: &mut dyn FnMut(Vec3), shape: &Polygon| {
-                for child in 0..4 {
-                    from_point(shape.child(child).centre());
-                }
-            };
-            if sine < 0.25 {
+            // Far links see one distance; near ones are averaged by Gaussian quadrature, touching ones over quarters.
+            if sine < 0.1 {
                 from_point(receiving.centre());
             } else if sine < 0.6 {
-                quarters(&mut from_point, receiving);
+                receiving.quadrature(&mut from_point);
             } else {
                 for child in 0..4 {
-                    quarters(&mut from_point, &receiving.child(child));
+                    receiving.child(child).quadrature(&mut from_point);
                 }
             }
         }
