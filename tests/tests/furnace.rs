@@ -1,0 +1,148 @@
+//! Closed scenes whose light is known exactly (exact_cases 2d, 2e): nothing may be lost or made.
+#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::print_stdout, reason = "figures are read from the output")]
+
+use sheen_solver::{Scene, SolveConfig, solve};
+use sheen_tests::measure::{extremes, front_triangles, mean_radiance, mean_radiance_of};
+use sheen_tests::shared::shared;
+use sheen_tests::{assert_close, images, scenes};
+use std::f64::consts::PI;
+
+/// What a furnace must show: 1 %. Means hold it; single vertices do not yet (see [`WORST_KNOWN`]).
+const FURNACE: f64 = 0.01;
+
+/// Known fault, not a goal: the light of a link is spread evenly over its receiver, which makes leaves along the edges
+/// of a room up to a tenth too bright and their neighbours too dark ("Known failures" in ARCHITECTURE.md). A guard
+/// against its growth; the goal is [`FURNACE`].
+const WORST_KNOWN: f64 = 0.12;
+
+/// Known fault, not a goal: the same error compounds over 30 reflections at ρ 0.8.
+const MEAN_KNOWN_AT_08: f64 = 0.035;
+
+/// Every surface emits 1 and reflects 0.5: radiance 1 / (1 - 0.5) everywhere.
+fn assert_two_everywhere(name: &str, scene: &Scene) {
+    let solution = solve(scene, &SolveConfig::default(), &mut ()).unwrap();
+    let fronts = front_triangles(scene, &solution);
+    let area: f64 = fronts
+        .iter()
+        .map(|&(t, _)| sheen_tests::measure::area(&solution, t))
+        .sum();
+    let whole: f64 = scene
+        .triangles()
+        .iter()
+        .map(|t| {
+            let [a, b, c] = scene.corners(t);
+            f64::from((b - a).cross(c - a).length()) * 0.5
+        })
+        .sum();
+    // Rounding of positions only: the mesh covers each front once.
+    assert!(
+        (area / whole - 1.0).abs() < 1e-4,
+        "{name}: {area} of {whole} m²"
+    );
+    let corners = fronts
+        .iter()
+        .flat_map(|&(t, _)| solution.triangles[t])
+        .map(|v| solution.radiance[v as usize]);
+    let (low, high) = extremes(corners);
+    println!("{name}: vertices {low:.5}..{high:.5}");
+    let worst = fronts
+        .iter()
+        .flat_map(|&(t, _)| solution.triangles[t])
+        .max_by(|&a, &b| {
+            let error = |v: u32| (solution.radiance[v as usize].mean() - 2.0).abs();
+            error(a).total_cmp(&error(b))
+        })
+        .unwrap();
+    println!(
+        "{name}: worst vertex at {}",
+        solution.position[worst as usize]
+    );
+    for camera in &solution.cameras {
+        let (low, high) = extremes(images::render(&solution, camera).pixels);
+        println!("{name}: pixels of '{}' {low:.5}..{high:.5}", camera.name);
+        for value in [low, high] {
+            assert!(
+                (f64::from(value) / 2.0 - 1.0).abs() < WORST_KNOWN,
+                "{name}: pixel {value}"
+            );
+        }
+        let image = images::render(&solution, camera);
+        let count = image.pixels.len() as f64;
+        let errors = image.pixels.iter().map(|p| f64::from(p.mean()) / 2.0 - 1.0);
+        let (sum, squares) = errors.fold((0.0, 0.0), |(s, q), e| (s + e, q + e * e));
+        let (mean, rms) = (sum / count, (squares / count).sqrt());
+        println!(
+            "{name}: pixels of '{}' off by {mean:+.5} in the mean, {rms:.5} rms",
+            camera.name
+        );
+        assert!(
+            mean.abs() < FURNACE && rms < 2.0 * FURNACE,
+            "{name}: mean {mean}, rms {rms}"
+        );
+    }
+    for value in [low, high] {
+        assert!(
+            (f64::from(value) / 2.0 - 1.0).abs() < WORST_KNOWN,
+            "{name}: vertex {value}"
+        );
+    }
+}
+
+#[test]
+fn our_furnace_shows_two_everywhere() {
+    assert_two_everywhere("scenes/furnace", &scenes::own("furnace"));
+}
+
+#[test]
+fn the_reference_furnace_with_a_block_shows_two_everywhere() {
+    let Some(shared) = shared("the_reference_furnace_with_a_block_shows_two_everywhere") else {
+        return;
+    };
+    let scene = scenes::load(&shared.join("reference/scenes/furnace.obj"));
+    assert_two_everywhere("reference furnace", &scene);
+}
+
+#[test]
+fn mean_irradiance_of_a_closed_cube_is_exact() {
+    for reflectance in [0.5, 0.8] {
+        let scene = scenes::cube_with_lit_ceiling(4.0, reflectance as f32);
+        let solution = solve(&scene, &SolveConfig::default(), &mut ()).unwrap();
+        let fronts = front_triangles(&scene, &solution);
+        let (radiance, area) = mean_radiance(&solution, fronts.iter().map(|&(t, _)| t));
+        assert_close("area [m²]", area, 96.0, 1e-4);
+        // The ceiling emits 1 W/m² on a sixth of the area.
+        let irradiance = (PI * radiance - 1.0 / 6.0) / reflectance;
+        // Whatever the mesh: Φ / (A (1 - ρ)). 1 %: the figure for energy and closure.
+        let expected = 1.0 / 6.0 / (1.0 - reflectance);
+        assert_close(
+            format!("mean irradiance, ρ {reflectance}"),
+            irradiance,
+            expected,
+            if reflectance == 0.5 {
+                FURNACE
+            } else {
+                MEAN_KNOWN_AT_08
+            },
+        );
+        // Converged means over the faces (exact_cases 2d), 1 % like the furnace.
+        let faces = if reflectance == 0.5 {
+            [1.10436, 0.17121, 0.18111]
+        } else {
+            [1.58751, 0.66098, 0.68788]
+        };
+        for (material, expected) in ["ceiling", "floor", "wall"].into_iter().zip(faces) {
+            let found = PI * mean_radiance_of(&scene, &solution, material);
+            assert_close(
+                format!("radiosity of the {material}, ρ {reflectance}"),
+                found,
+                expected,
+                if reflectance == 0.5 {
+                    FURNACE
+                } else {
+                    MEAN_KNOWN_AT_08
+                },
+            );
+        }
+    }
+}
