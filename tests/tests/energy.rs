@@ -11,15 +11,9 @@ use std::f64::consts::PI;
 /// Emitted power is absorbed, unshot or escaped to 0.5 %.
 const LEDGER: f64 = 0.005;
 
-/// Known faults, not goals, that this guards against growing: the error of links spread evenly over their receivers
-/// ("Known failures" in ARCHITECTURE.md) gains or loses up to half a per cent a reflection.
-const KNOWN: [(&str, f64); 5] = [
-    ("cornell_box", 0.008),
-    ("cornell_box_glossy", 0.008),
-    ("glossy_sphere", 0.008),
-    ("furnace", 0.013),
-    ("cube, ρ 0.8", 0.035),
-];
+/// Known faults, not goals, that this guards against growing ("Known failures" in ARCHITECTURE.md): an open box loses
+/// some of its light, thirty reflections gain some.
+const KNOWN: [(&str, f64); 2] = [("cornell_box", 0.01), ("cube, ρ 0.8", 0.008)];
 
 /// Escape rays may slip through an edge where two faces meet.
 const SLIPPED: f64 = 2e-3;

@@ -11,13 +11,9 @@ use std::f64::consts::PI;
 /// What a furnace must show: 1 %. Means hold it; single vertices do not yet (see [`WORST_KNOWN`]).
 const FURNACE: f64 = 0.01;
 
-/// Known fault, not a goal: the light of a link is spread evenly over its receiver, which makes leaves along the edges
-/// of a room up to a tenth too bright and their neighbours too dark ("Known failures" in ARCHITECTURE.md). A guard
-/// against its growth; the goal is [`FURNACE`].
-const WORST_KNOWN: f64 = 0.12;
-
-/// Known fault, not a goal: the same error compounds over 30 reflections at ρ 0.8.
-const MEAN_KNOWN_AT_08: f64 = 0.035;
+/// Known fault, not a goal: single vertices along edges and beside blocks are off by up to 4 % ("Known failures" in
+/// ARCHITECTURE.md). A guard against its growth; the goal is [`FURNACE`].
+const WORST_KNOWN: f64 = 0.05;
 
 /// Every surface emits 1 and reflects 0.5: radiance 1 / (1 - 0.5) everywhere.
 fn assert_two_everywhere(name: &str, scene: &Scene) {
@@ -77,7 +73,7 @@ fn assert_two_everywhere(name: &str, scene: &Scene) {
             camera.name
         );
         assert!(
-            mean.abs() < FURNACE && rms < 2.0 * FURNACE,
+            mean.abs() < FURNACE && rms < FURNACE,
             "{name}: mean {mean}, rms {rms}"
         );
     }
@@ -119,11 +115,7 @@ fn mean_irradiance_of_a_closed_cube_is_exact() {
             format!("mean irradiance, ρ {reflectance}"),
             irradiance,
             expected,
-            if reflectance == 0.5 {
-                FURNACE
-            } else {
-                MEAN_KNOWN_AT_08
-            },
+            FURNACE,
         );
         // Converged means over the faces (exact_cases 2d), 1 % like the furnace.
         let faces = if reflectance == 0.5 {
@@ -137,11 +129,7 @@ fn mean_irradiance_of_a_closed_cube_is_exact() {
                 format!("radiosity of the {material}, ρ {reflectance}"),
                 found,
                 expected,
-                if reflectance == 0.5 {
-                    FURNACE
-                } else {
-                    MEAN_KNOWN_AT_08
-                },
+                FURNACE,
             );
         }
     }

@@ -41,8 +41,9 @@ pub(super) struct Light<'a> {
     total: &'a Exitant,
     /// Irradiance per node of the transport.
     irradiance: &'a [Rgb],
-    /// Mean irradiance over all lit surfaces [mean over channels].
-    mean_irradiance: f32,
+    /// Typical irradiance of lit surfaces [mean over channels]: the square of the mean root, so that a few surfaces
+    /// right beside lamps do not set the scale for all others.
+    typical_irradiance: f32,
 }
 
 /// A vertex is gathered this far from its place towards the middle of the leaves around it: on an edge between two
@@ -68,7 +69,7 @@ impl<'a> Light<'a> {
         for (id, irradiance) in transported.irradiance.iter().enumerate() {
             if !irradiance.is_black() {
                 let leaf = transported.leaf_area[id];
-                sum += f64::from(irradiance.mean()) * f64::from(leaf);
+                sum += f64::from(irradiance.mean()).sqrt() * f64::from(leaf);
                 area += f64::from(leaf);
             }
         }
@@ -92,7 +93,11 @@ impl<'a> Light<'a> {
             propagation,
             total: &transported.total,
             irradiance: &transported.irradiance,
-            mean_irradiance: if area > 0.0 { (sum / area) as f32 } else { 0.0 },
+            typical_irradiance: if area > 0.0 {
+                (sum / area).powi(2) as f32
+            } else {
+                0.0
+            },
         }
     }
 
@@ -102,7 +107,7 @@ impl<'a> Light<'a> {
         let emission = self.prepared.frame.materials[material as usize]
             .emission
             .mean();
-        0.1 * self.mean_irradiance + 0.5 * PI * emission
+        0.1 * self.typical_irradiance + 0.5 * PI * emission
     }
 
     /// Irradiance that the transport found at a leaf or, if it has been split since, at what it was part of.
@@ -208,7 +213,7 @@ impl<'a> Light<'a> {
             epsilon: self.settings.epsilon,
             max_level: self.settings.display_level,
             floor: 0.2,
-            least: 0.02 * self.mean_irradiance,
+            least: 0.02 * self.typical_irradiance,
             conserve: false,
         };
         let reflected = reflect(
@@ -297,7 +302,7 @@ impl<'a> Light<'a> {
             min_level: 1,
             max_level: self.settings.transport_level,
             epsilon: self.settings.epsilon,
-            floor: 0.2 * mean_radiance + 0.02 * self.mean_irradiance,
+            floor: 0.2 * mean_radiance + 0.02 * self.typical_irradiance,
             relative: true,
             horizon: None,
             integral: None,

@@ -13,6 +13,51 @@ pub struct IlluminationSample {
     pub irradiance: Rgb,
     /// Angular radius of a disc that fills the sender's solid angle [rad].
     pub spread: f32,
+    /// How it changes over the receiver, if a point can stand for its sender.
+    pub parallax: Option<Parallax>,
+}
+
+/// What a sample needs to be seen from elsewhere on the plane of its receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parallax {
+    /// Distance to the sender.
+    pub distance: f32,
+    /// Normal of the sender; zero for clusters, which send in all directions.
+    pub sender_normal: Vec3,
+    /// One over the mean over the receiver of what [`IlluminationSample::moved`] makes of irradiance 1: the mean
+    /// stays what the link found.
+    pub share: f32,
+}
+
+impl IlluminationSample {
+    /// The same sender as seen `offset` away on the receiver: other direction, distance and cosine at the sender.
+    pub fn moved(&self, offset: Vec3) -> Self {
+        let Some(parallax) = self.parallax else {
+            return *self;
+        };
+        let to_sender = self.direction * parallax.distance - offset;
+        let distance = to_sender.length();
+        if distance == 0.0 {
+            return *self;
+        }
+        let direction = to_sender / distance;
+        let cosine = |d: Vec3| {
+            if parallax.sender_normal == Vec3::ZERO {
+                1.0
+            } else {
+                -parallax.sender_normal.dot(d)
+            }
+        };
+        let (there, here) = (cosine(self.direction), cosine(direction).max(0.0));
+        let nearer = parallax.distance / distance;
+        let factor = here / there * nearer * nearer * parallax.share;
+        Self {
+            direction,
+            irradiance: self.irradiance * factor,
+            spread: self.spread * nearer,
+            parallax: None,
+        }
+    }
 }
 
 /// Irradiance of `samples` on a surface with `normal` [W·m⁻²].
@@ -60,17 +105,24 @@ impl SampleSets {
         }
     }
 
-    /// "Push": appends the samples of `id` and its ancestors to `field`.
+    /// "Push": appends the samples of `id` and its ancestors to `field`, each as seen from the middle of `id`.
     pub fn field(
         &self,
         nodes: &[crate::hierarchy::Node],
         id: u32,
         field: &mut Vec<IlluminationSample>,
     ) {
-        let mut at = id;
+        let here = nodes[id as usize].centre;
+        field.extend_from_slice(self.of(id));
+        let mut at = nodes[id as usize].parent;
         while at != crate::hierarchy::NONE {
-            field.extend_from_slice(self.of(at));
-            at = nodes[at as usize].parent;
+            let node = &nodes[at as usize];
+            field.extend(
+                self.of(at)
+                    .iter()
+                    .map(|sample| sample.moved(here - node.centre)),
+            );
+            at = node.parent;
         }
     }
 

@@ -425,8 +425,11 @@ impl Propagation<'_> {
         if !transmittance.is_black()
             && let Some(sample) = unoccluded_sample(receiver, sender, self.exitant)
         {
+            // A glossy leaf keeps the directions that its link was refined for: moved ones leave gaps in its lobes.
+            let glossy = self.gloss(hierarchy, id).share > 0.0;
             outcome.samples.push(IlluminationSample {
                 irradiance: sample.irradiance * transmittance,
+                parallax: sample.parallax.filter(|_| !glossy),
                 ..sample
             });
         }
@@ -491,6 +494,7 @@ impl Propagation<'_> {
                 direction: offset / distance,
                 irradiance,
                 spread: 0.0,
+                parallax: None,
             });
         }
     }
@@ -568,6 +572,7 @@ impl Propagation<'_> {
                         direction: offset.normalize(),
                         irradiance,
                         spread: 0.0,
+                        parallax: None,
                     });
                 }
             }

@@ -2,10 +2,15 @@
 
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
-use crate::transport::illumination::IlluminationSample;
+use crate::transport::illumination::{IlluminationSample, Parallax};
 use crate::transport::link::{Receiver, Sender};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
+
+/// A point stands for a sender while the radii of both ends together are this share of their distance.
+const POINT_LIKE: f32 = 0.9;
+/// Cosines below this change too fast to be told from one sample.
+const GRAZING: f32 = 0.05;
 
 /// The sample of a link as if nothing stood between.
 ///
@@ -97,9 +102,49 @@ pub(super) fn unoccluded_sample(
         // A cluster fills about half of the sphere around it.
         None => 0.7 * sine,
     };
-    (!irradiance.is_black()).then_some(IlluminationSample {
+    if irradiance.is_black() {
+        return None;
+    }
+    let mut sample = IlluminationSample {
         direction,
         irradiance,
         spread,
-    })
+        parallax: None,
+    };
+    sample.parallax = parallax(receiver, sender, &sample, distance);
+    Some(sample)
+}
+
+/// How the sample changes over an element; `None` where a point cannot stand for the sender.
+fn parallax(
+    receiver: &Receiver,
+    sender: &Sender,
+    sample: &IlluminationSample,
+    distance: f32,
+) -> Option<Parallax> {
+    let (shape, normal) = (receiver.polygon?, receiver.normal?);
+    let cosine = sample.direction.dot(normal);
+    let at_sender = -sender.normal.dot(sample.direction);
+    let is_grazing = cosine < GRAZING || (sender.polygon.is_some() && at_sender < GRAZING);
+    if receiver.radius + sender.radius > POINT_LIKE * distance || is_grazing {
+        return None;
+    }
+    let mut found = Parallax {
+        distance,
+        sender_normal: sender.normal,
+        share: 1.0,
+    };
+    let unit = IlluminationSample {
+        irradiance: Rgb::WHITE,
+        parallax: Some(found),
+        ..*sample
+    };
+    let (mut sum, mut count) = (0.0, 0.0);
+    shape.quadrature(|point| {
+        let moved = unit.moved(point - receiver.centre);
+        sum += moved.irradiance.r * moved.direction.dot(normal).max(0.0);
+        count += 1.0;
+    });
+    found.share = cosine * count / sum;
+    (sum > 0.0).then_some(found)
 }
