@@ -112,14 +112,14 @@ impl Settings {
         let step = |values: [u32; 4]| values[(q.round() as usize).min(3)];
         Self {
             link_tolerance: knob(4e-4, 2e-5),
-            link_irradiance: knob(1.0, 0.01),
+            link_irradiance: knob(1.0, 0.05),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
             epsilon: knob(1.0, 0.25),
             transport_epsilon: knob(1.5, 0.2),
             least_directional: knob(0.15, 0.01),
             transport_level: step([4, 4, 5, 6]),
-            display_level: step([4, 5, 6, 6]),
+            display_level: step([4, 5, 5, 6]),
             sharpest_roughness: knob(0.06, 0.02),
             unshot_share: knob(2e-2, 5e-4),
             gather: q > 0.0,

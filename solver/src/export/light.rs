@@ -107,7 +107,7 @@ impl<'a> Light<'a> {
         let emission = self.prepared.frame.materials[material as usize]
             .emission
             .mean();
-        0.1 * self.typical_irradiance + 0.5 * PI * emission
+        0.13 * self.typical_irradiance + 0.5 * PI * emission
     }
 
     /// Irradiance that the transport found at a leaf or, if it has been split since, at what it was part of.
@@ -213,7 +213,7 @@ impl<'a> Light<'a> {
             epsilon: self.settings.epsilon,
             max_level: self.settings.display_level,
             floor: 0.2,
-            least: 0.02 * self.typical_irradiance,
+            least: 0.04 * self.typical_irradiance,
             conserve: false,
         };
         let reflected = reflect(
@@ -302,7 +302,7 @@ impl<'a> Light<'a> {
             min_level: 1,
             max_level: self.settings.transport_level,
             epsilon: self.settings.epsilon,
-            floor: 0.2 * mean_radiance + 0.02 * self.typical_irradiance,
+            floor: 0.2 * mean_radiance + 0.04 * self.typical_irradiance,
             relative: true,
             horizon: None,
             integral: None,
