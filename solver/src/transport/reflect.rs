@@ -223,3 +223,64 @@ fn finest_level(lobe: &Lobe) -> u32 {
         .find(|&level| octahedron::radius(level) < 0.4 * lobe.half_width)
         .unwrap_or(octahedron::MAX_LEVEL) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::directional::packed;
+    use crate::geometry::hash::unit;
+    use crate::scene::{Gloss, Material};
+
+    #[test]
+    fn a_sharp_lobe_is_found_wherever_it_points() {
+        let gloss = Gloss::Phong {
+            specular: Rgb::WHITE,
+            exponent: 1000.0,
+        };
+        let material = Material {
+            gloss,
+            ..Material::lambert("m", Rgb::BLACK)
+        };
+        let lobe = Lobe::of(&material, 0.0).expect("glossy");
+        let config = ReflectConfig {
+            epsilon: 0.1,
+            max_level: 7,
+            floor: 0.2,
+            least: 0.0,
+            conserve: false,
+        };
+        let mut projector = Projector::default();
+        for i in 0..1000 {
+            // Uniform over the hemisphere, above the grazing band.
+            let z = 0.05 + 0.95 * unit(i, 1);
+            let (s, phi) = ((1.0 - z * z).sqrt(), unit(i, 2) * std::f32::consts::TAU);
+            let direction = Vec3::new(s * phi.cos(), s * phi.sin(), z);
+            let sample = IlluminationSample {
+                direction,
+                irradiance: Rgb::WHITE / z,
+                spread: 0.0,
+                parallax: None,
+            };
+            let out = reflect(
+                &[sample],
+                Vec3::Z,
+                Rgb::BLACK,
+                Some(&lobe),
+                &config,
+                0.0,
+                &mut projector,
+            );
+            let words = out.distribution.expect("a distribution");
+            let mirror = brdf::reflect(Vec3::Z, direction);
+            let (found, peak) = (
+                packed::evaluate(&words, mirror).g,
+                1002.0 / std::f32::consts::TAU,
+            );
+            // The finest cells have a radius of 0.4 half-widths: their corners hold 0.9 of the peak; hanging ones less.
+            assert!(
+                found > 0.8 * peak && found < 1.1 * peak,
+                "{i}: {found} of {peak} towards {mirror}"
+            );
+        }
+    }
+}
