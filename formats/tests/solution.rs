@@ -119,9 +119,9 @@ fn seconds_and_resident_memory_are_not_written() {
 fn statistics_that_are_not_finite_do_not_cost_the_solution() {
     let place = Place::new();
     let mut solution = example();
-    solution.stats.solve.closure_mean = f64::NAN;
+    solution.stats.solve.escaped_w = f64::NAN;
     write(&place.path(), &solution).unwrap();
-    assert_eq!(read(&place.path()).unwrap().stats.solve.closure_mean, 0.0);
+    assert_eq!(read(&place.path()).unwrap().stats.solve.escaped_w, 0.0);
 }
 
 #[test]

@@ -66,8 +66,6 @@ pub struct SolveStats {
     pub unshot_w: f64,
     /// Power that left the scene [W], measured by rays of its own.
     pub escaped_w: f64,
-    /// Mean and worst sum of form factors over receivers (1 in a closed scene).
-    pub closure_mean: f64,
     /// Largest resident memory of the process [B].
     pub peak_rss_bytes: u64,
     /// Memory by kind.
