@@ -8,9 +8,10 @@ use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use crate::solve::{Prepared, Transported, Watch};
 use crate::transport::exitant::Exitant;
+use crate::transport::gather::Gather;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::Receiver;
-use crate::transport::propagate::{Accuracy, Environment, Gloss, LinkStats, Propagation};
+use crate::transport::propagate::{Environment, Gloss, LinkStats};
 use crate::transport::reflect::{ReflectConfig, reflect};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -37,7 +38,7 @@ pub(super) struct VertexLight {
 pub(super) struct Light<'a> {
     prepared: &'a Prepared,
     settings: &'a Settings,
-    propagation: Propagation<'a>,
+    gather: Gather<'a>,
     total: &'a Exitant,
     /// Irradiance per node of the transport.
     irradiance: &'a [Rgb],
@@ -73,24 +74,16 @@ impl<'a> Light<'a> {
                 area += f64::from(leaf);
             }
         }
-        let propagation = Propagation {
+        let gather = Gather {
             environment,
             exitant: &transported.total,
             node_count,
-            cluster_gloss: &transported.cluster_gloss,
-            accuracy: Accuracy {
-                tolerance: 0.0,
-                most_irradiance: 0.0,
-                min_radius: 0.0,
-                strata: settings.vertex_strata,
-            },
-            with_point_lights: true,
-            record: false,
+            strata: settings.vertex_strata,
         };
         Self {
             prepared,
             settings,
-            propagation,
+            gather,
             total: &transported.total,
             irradiance: &transported.irradiance,
             typical_irradiance: if area > 0.0 {
@@ -133,8 +126,7 @@ impl<'a> Light<'a> {
         let known = self.known_irradiance(hierarchy, element.node);
         let limit =
             self.settings.vertex_tolerance * (known + self.visible_difference(element.material));
-        self.propagation
-            .gather(hierarchy, &receiver, gloss, limit, samples)
+        self.gather.at(hierarchy, &receiver, gloss, limit, samples)
     }
 
     /// Irradiance in the middle of a leaf.

@@ -1,6 +1,8 @@
 //! Planar polygons: area, points on them, the light they send to a point.
 
+pub mod cone;
 pub mod hash;
 pub mod polygon;
 
+pub use cone::Cone;
 pub use polygon::Polygon;

@@ -1,5 +1,6 @@
 //! Convex planar polygons of three or four corners, and their exact form factors to a point.
 
+use super::Cone;
 use glam::{Vec2, Vec3};
 
 /// A convex, planar triangle or quad, counter-clockwise seen from its front.
@@ -117,57 +118,17 @@ impl Polygon {
     /// [sr] with E(n) = L n·v for every normal n whose horizon does not cut the polygon; it points towards the
     /// polygon. Zero when `point` is behind the polygon's plane.
     ///
-    /// Lambert's formula, v = ½ Σ γᵢ Γᵢ over the edges (`exact_cases.md` 2a). With `horizon`, only the part
-    /// above the plane through `point` with that normal counts.
+    /// With `horizon`, only the part above the plane through `point` with that normal counts.
     pub fn vector_irradiance(&self, point: Vec3, horizon: Option<Vec3>) -> Vec3 {
-        let c = self.corners;
-        if (point - c[0]).dot(self.vector_area()) <= 0.0 {
+        if (point - self.corners[0]).dot(self.vector_area()) <= 0.0 {
             return Vec3::ZERO;
         }
-        // Clipping adds one corner; rounding on a nearly tangent horizon may cut every edge.
-        let mut directions = [Vec3::ZERO; 8];
-        let mut count = self.count;
-        for (direction, corner) in directions.iter_mut().zip(self.corners()) {
-            *direction = *corner - point;
-        }
-        if let Some(normal) = horizon {
-            count = clip_above(&mut directions, count, normal);
-        }
-        let mut sum = Vec3::ZERO;
-        for i in 0..count {
-            let (a, b) = (directions[i], directions[(i + 1) % count]);
-            let cross = a.cross(b);
-            let sine = cross.length();
-            if sine > 0.0 {
-                sum += cross * (sine.atan2(a.dot(b)) / sine);
-            }
-        }
-        // Counter-clockwise seen from its front: the edges run clockwise around the direction towards the polygon.
-        sum * -0.5
-    }
-}
-
-/// Clips a polygon of directions against the plane through the origin; returns the new count (0..=8).
-fn clip_above(directions: &mut [Vec3; 8], count: usize, normal: Vec3) -> usize {
-    let source = *directions;
-    let heights = source.map(|d| d.dot(normal));
-    if heights[..count].iter().all(|&h| h >= 0.0) {
-        return count;
-    }
-    let mut kept = 0;
-    for i in 0..count {
-        let j = (i + 1) % count;
-        if heights[i] >= 0.0 {
-            directions[kept] = source[i];
-            kept += 1;
-        }
-        if (heights[i] > 0.0 && heights[j] < 0.0) || (heights[i] < 0.0 && heights[j] > 0.0) {
-            let t = heights[i] / (heights[i] - heights[j]);
-            directions[kept] = source[i].lerp(source[j], t);
-            kept += 1;
+        let cone = Cone::new(self, point);
+        match horizon {
+            Some(normal) => cone.above(normal, 0.0).vector_irradiance(),
+            None => cone.vector_irradiance(),
         }
     }
-    if kept < 3 { 0 } else { kept }
 }
 
 #[cfg(test)]

@@ -30,6 +30,24 @@ pub struct Parallax {
 }
 
 impl IlluminationSample {
+    /// The same sender when only a part of it is seen: vector irradiance [sr] of the `whole` and of what is `seen`.
+    pub fn seen_partly(&self, whole: Vec3, seen: Vec3) -> Self {
+        let (whole, part) = (whole.length(), seen.length());
+        if whole <= 0.0 || part <= 0.0 {
+            return Self {
+                irradiance: Rgb::BLACK,
+                ..*self
+            };
+        }
+        let share = part / whole;
+        Self {
+            direction: seen / part,
+            irradiance: self.irradiance * share,
+            spread: self.spread * share.sqrt(),
+            parallax: None,
+        }
+    }
+
     /// The same sender as seen `offset` away on the receiver: other direction, distance and cosine at the sender.
     pub fn moved(&self, offset: Vec3) -> Self {
         let Some(parallax) = self.parallax else {

@@ -123,7 +123,7 @@ impl Sender {
 
 /// Heights above a plane that are rounding in normalised coordinates: surfaces in one plane do not light each other,
 /// coincident ones least of all.
-const COPLANAR: f32 = 16.0 * f32::EPSILON;
+pub(super) const COPLANAR: f32 = 16.0 * f32::EPSILON;
 
 fn bounds_of(points: &[Vec3]) -> (Vec3, Vec3) {
     points

@@ -1,8 +1,10 @@
 //! Light from surface to surface: exitant light, links and their bounds, visibility, propagation, reflection, pull.
 
 pub mod exitant;
+pub mod gather;
 pub mod illumination;
 pub mod link;
+mod occlusion;
 pub mod propagate;
 pub mod pull;
 mod rays;

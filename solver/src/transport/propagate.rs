@@ -124,7 +124,7 @@ const NEGLIGIBLE: f32 = 0.02;
 
 /// True when an end of the link is a cluster that the other is too close to. However weak the link: intensity over
 /// distance squared is without bound near a flat cluster, and light between such surfaces would grow.
-fn is_near(bounds: &Bounds, receiver: &Receiver, sender: &Sender) -> bool {
+pub(super) fn is_near(bounds: &Bounds, receiver: &Receiver, sender: &Sender) -> bool {
     let reach = |is_cluster: bool, radius: f32| {
         if is_cluster {
             radius * CLUSTER_DISTANCE
@@ -497,87 +497,6 @@ impl Propagation<'_> {
                 parallax: None,
             });
         }
-    }
-
-    /// All light that reaches a vertex, from the accuracy `limit` [W·m⁻², mean over channels]: the same bounds, with
-    /// senders refined only. `start`: where the search begins, normally the root alone.
-    pub fn gather(
-        &self,
-        hierarchy: &Hierarchy,
-        receiver: &Receiver,
-        gloss: Gloss,
-        limit: f32,
-        samples: &mut Vec<IlluminationSample>,
-    ) -> LinkStats {
-        let mut stats = LinkStats::default();
-        let mut stack = vec![SenderId::whole(0)];
-        while let Some(id) = stack.pop() {
-            if self.exitant.peak[id.node as usize] <= 0.0 {
-                continue;
-            }
-            let sender = Sender::new(hierarchy, id);
-            if sender.patch == receiver.patch && sender.patch != NONE {
-                continue;
-            }
-            let is_good = |bounds: &Bounds| error(bounds, receiver, &sender, gloss) <= limit;
-            let bounds = bounds(receiver, &sender, self.exitant, is_good);
-            if bounds.high <= 0.0 {
-                continue;
-            }
-            // A part seen from closer than its own size is split for as long as that changes anything.
-            let can_refine = sender.can_refine();
-            if can_refine && !is_good(&bounds) {
-                sender.parts(hierarchy, self.node_count, |part| stack.push(part));
-                continue;
-            }
-            let Some(sample) = unoccluded_sample(receiver, &sender, self.exitant) else {
-                continue;
-            };
-            let strength = sample.irradiance.mean();
-            let strata = if strength > limit {
-                self.accuracy.strata
-            } else {
-                1
-            };
-            let cast = self.rays(hierarchy, NONE, receiver, &sender);
-            let (transmittance, mixed) = cast.strata(strata, &mut stats);
-            if mixed && can_refine && strength > limit {
-                sender.parts(hierarchy, self.node_count, |part| stack.push(part));
-                continue;
-            }
-            stats.links += 1;
-            if !transmittance.is_black() {
-                samples.push(IlluminationSample {
-                    irradiance: sample.irradiance * transmittance,
-                    ..sample
-                });
-            }
-        }
-        for &(position, intensity) in self.environment.point_lights {
-            if !self.with_point_lights {
-                break;
-            }
-            let offset = position - receiver.centre;
-            let distance_squared = offset.length_squared();
-            if distance_squared > 0.0 && receiver.normal.is_none_or(|n| n.dot(offset) > 0.0) {
-                let passed = self.environment.occluders.transmittance(
-                    receiver.centre,
-                    position,
-                    [receiver.patch, NONE],
-                );
-                stats.rays += 1;
-                if !passed.is_black() {
-                    let irradiance = intensity * passed / distance_squared;
-                    samples.push(IlluminationSample {
-                        direction: offset.normalize(),
-                        irradiance,
-                        spread: 0.0,
-                        parallax: None,
-                    });
-                }
-            }
-        }
-        stats
     }
 }
 
