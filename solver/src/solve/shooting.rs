@@ -263,13 +263,15 @@ impl<'a> Shooting<'a> {
             .map_init(
                 || (Projector::default(), Vec::new()),
                 |(projector, field), &id| {
+                    let element = &hierarchy.elements[hierarchy.node(id).element as usize];
+                    let material = element.material as usize;
                     field.clear();
-                    samples.field(&hierarchy.nodes, id, field);
+                    // Moved directions leave gaps in the lobes that links were refined for.
+                    let glossy = prepared.lobes[material].is_some();
+                    samples.field(hierarchy, id, glossy, field);
                     if field.is_empty() {
                         return Reflected::default();
                     }
-                    let element = &hierarchy.elements[hierarchy.node(id).element as usize];
-                    let material = element.material as usize;
                     let normal = hierarchy.shading_normal(element);
                     let lobe = prepared.lobes[material].as_ref();
                     let bend = hierarchy.bend(element);

@@ -1,6 +1,9 @@
 //! Illumination samples (§3.2): where light comes from and the normal irradiance it carries.
 
+use crate::hierarchy::{Hierarchy, NONE, Node, NodeId};
 use crate::radiometry::Rgb;
+use crate::transport::kernel::{Kernel, Place};
+use crate::transport::link::{Sender, SenderId};
 use glam::Vec3;
 
 /// Light from one direction. The cosine at the receiver is not in it: the same sample means the same on a cluster,
@@ -13,20 +16,18 @@ pub struct IlluminationSample {
     pub irradiance: Rgb,
     /// Angular radius of a disc that fills the sender's solid angle [rad].
     pub spread: f32,
-    /// How it changes over the receiver, if a point can stand for its sender.
+    /// How it changes over the receiver, if it does so in a known way.
     pub parallax: Option<Parallax>,
 }
 
-/// What a sample needs to be seen from elsewhere on the plane of its receiver.
+/// What a sample needs to be seen from elsewhere on its receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parallax {
-    /// Distance to the sender.
-    pub distance: f32,
-    /// Normal of the sender; zero for clusters, which send in all directions.
-    pub sender_normal: Vec3,
-    /// One over the mean over the receiver of what [`IlluminationSample::moved`] makes of irradiance 1: the mean
-    /// stays what the link found.
-    pub share: f32,
+    /// The sender.
+    pub sender: SenderId,
+    /// One over the mean over the receiver of what the sender's kernel gives its plane, relative to that
+    /// of the sample: the mean stays what the link found.
+    pub scale: f32,
 }
 
 impl IlluminationSample {
@@ -47,35 +48,37 @@ impl IlluminationSample {
             parallax: None,
         }
     }
+}
 
-    /// The same sender as seen `offset` away on the receiver: other direction, distance and cosine at the sender.
-    pub fn moved(&self, offset: Vec3) -> Self {
-        let Some(parallax) = self.parallax else {
-            return *self;
-        };
-        let to_sender = self.direction * parallax.distance - offset;
-        let distance = to_sender.length();
-        if distance == 0.0 {
-            return *self;
-        }
-        let direction = to_sender / distance;
-        let cosine = |d: Vec3| {
-            if parallax.sender_normal == Vec3::ZERO {
-                1.0
-            } else {
-                -parallax.sender_normal.dot(d)
-            }
-        };
-        let (there, here) = (cosine(self.direction), cosine(direction).max(0.0));
-        let nearer = parallax.distance / distance;
-        let factor = here / there * nearer * nearer * parallax.share;
-        Self {
-            direction,
-            irradiance: self.irradiance * factor,
-            spread: self.spread * nearer,
-            parallax: None,
-        }
+/// A sample of `receiver` as seen from a place on it: other direction, distance and cosine at the sender.
+fn moved(
+    hierarchy: &Hierarchy,
+    receiver: &Node,
+    sample: &IlluminationSample,
+    parallax: &Parallax,
+    here: &Place,
+    keep_direction: bool,
+) -> IlluminationSample {
+    let sender = Sender::new(hierarchy, parallax.sender);
+    let vector = Kernel::new(&sender, receiver.centre, receiver.radius).at(&sender, here);
+    let length = vector.length();
+    let normal_irradiance = length * parallax.scale;
+    let mut moved = IlluminationSample {
+        parallax: None,
+        ..*sample
+    };
+    if keep_direction {
+        let cosine = sample.direction.dot(here.normal);
+        moved.irradiance =
+            sample.irradiance * (vector.dot(here.normal).max(0.0) * parallax.scale / cosine);
+    } else if length > 0.0 {
+        moved.direction = vector / length;
+        moved.irradiance = sample.irradiance * normal_irradiance;
+        moved.spread = sample.spread * normal_irradiance.sqrt();
+    } else {
+        moved.irradiance = Rgb::BLACK;
     }
+    moved
 }
 
 /// Irradiance of `samples` on a surface with `normal` [W·m⁻²].
@@ -123,24 +126,38 @@ impl SampleSets {
         }
     }
 
-    /// "Push": appends the samples of `id` and its ancestors to `field`, each as seen from the middle of `id`.
+    /// "Push": appends the samples of `id` and its ancestors to `field`, each as seen from the middle of `id`. With
+    /// `keep_directions` they change their strength only.
     pub fn field(
         &self,
-        nodes: &[crate::hierarchy::Node],
-        id: u32,
+        hierarchy: &Hierarchy,
+        id: NodeId,
+        keep_directions: bool,
         field: &mut Vec<IlluminationSample>,
     ) {
-        let here = nodes[id as usize].centre;
+        let Some(element) = hierarchy.element_of(id) else {
+            return;
+        };
+        let here = Place {
+            position: hierarchy.node(id).centre,
+            normal: element.normal,
+        };
         field.extend_from_slice(self.of(id));
-        let mut at = nodes[id as usize].parent;
-        while at != crate::hierarchy::NONE {
-            let node = &nodes[at as usize];
-            field.extend(
-                self.of(at)
-                    .iter()
-                    .map(|sample| sample.moved(here - node.centre)),
-            );
-            at = node.parent;
+        let mut at = hierarchy.node(id).parent;
+        while at != NONE {
+            let receiver = hierarchy.node(at);
+            field.extend(self.of(at).iter().map(|sample| match sample.parallax {
+                Some(parallax) => moved(
+                    hierarchy,
+                    receiver,
+                    sample,
+                    &parallax,
+                    &here,
+                    keep_directions,
+                ),
+                None => *sample,
+            }));
+            at = receiver.parent;
         }
     }
 

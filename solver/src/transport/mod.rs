@@ -3,6 +3,7 @@
 pub mod exitant;
 pub mod gather;
 pub mod illumination;
+mod kernel;
 pub mod link;
 mod occlusion;
 pub mod propagate;

@@ -425,11 +425,8 @@ impl Propagation<'_> {
         if !transmittance.is_black()
             && let Some(sample) = unoccluded_sample(receiver, sender, self.exitant)
         {
-            // A glossy leaf keeps the directions that its link was refined for: moved ones leave gaps in its lobes.
-            let glossy = self.gloss(hierarchy, id).share > 0.0;
             outcome.samples.push(IlluminationSample {
                 irradiance: sample.irradiance * transmittance,
-                parallax: sample.parallax.filter(|_| !glossy),
                 ..sample
             });
         }

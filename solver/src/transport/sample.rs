@@ -3,12 +3,13 @@
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, Parallax};
+use crate::transport::kernel::{Kernel, Place};
 use crate::transport::link::{Receiver, Sender};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-/// A point stands for a sender while the radii of both ends together are this share of their distance.
-const POINT_LIKE: f32 = 0.9;
+/// A point stands for a sending cluster while the radii of both ends together are this share of their distance.
+const CLUSTER_LIKE: f32 = 0.9;
 /// Cosines below this change too fast to be told from one sample.
 const GRAZING: f32 = 0.05;
 
@@ -111,40 +112,31 @@ pub(super) fn unoccluded_sample(
         spread,
         parallax: None,
     };
-    sample.parallax = parallax(receiver, sender, &sample, distance);
+    sample.parallax = parallax(receiver, sender, &sample);
     Some(sample)
 }
 
-/// How the sample changes over an element; `None` where a point cannot stand for the sender.
-fn parallax(
-    receiver: &Receiver,
-    sender: &Sender,
-    sample: &IlluminationSample,
-    distance: f32,
-) -> Option<Parallax> {
+/// How the sample changes over an element; `None` where nothing is known of that.
+fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -> Option<Parallax> {
     let (shape, normal) = (receiver.polygon?, receiver.normal?);
     let cosine = sample.direction.dot(normal);
-    let at_sender = -sender.normal.dot(sample.direction);
-    let is_grazing = cosine < GRAZING || (sender.polygon.is_some() && at_sender < GRAZING);
-    if receiver.radius + sender.radius > POINT_LIKE * distance || is_grazing {
+    let kernel = Kernel::new(sender, receiver.centre, receiver.radius);
+    if cosine < GRAZING
+        || sender.polygon.is_none()
+            && receiver.radius + sender.radius
+                > CLUSTER_LIKE * receiver.centre.distance(sender.centre)
+    {
         return None;
     }
-    let mut found = Parallax {
-        distance,
-        sender_normal: sender.normal,
-        share: 1.0,
-    };
-    let unit = IlluminationSample {
-        irradiance: Rgb::WHITE,
-        parallax: Some(found),
-        ..*sample
-    };
     let (mut sum, mut count) = (0.0, 0.0);
-    shape.quadrature(|point| {
-        let moved = unit.moved(point - receiver.centre);
-        sum += moved.irradiance.r * moved.direction.dot(normal).max(0.0);
+    shape.quadrature(|position| {
+        let place = Place { position, normal };
+        sum += kernel.at(sender, &place).dot(normal).max(0.0);
         count += 1.0;
     });
-    found.share = cosine * count / sum;
-    (sum > 0.0).then_some(found)
+    let scale = cosine * count / sum;
+    (sum > 0.0 && scale.is_finite()).then_some(Parallax {
+        sender: sender.id,
+        scale,
+    })
 }

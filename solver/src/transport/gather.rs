@@ -1,0 +1,188 @@
+//! Gathering at vertices (design §4, Export): the bounded propagation with a point as receiver.
+//!
+//! The form factor from a polygon to a point is exact, and so is what hides of it, so a diffuse leaf needs no
+//! refinement at all: links are split only where the sender's radiance differs over its parts or directions.
+//! Cost: a bound and a pyramid per link, rays where much stands in between.
+
+use crate::hierarchy::{Hierarchy, NONE};
+use crate::transport::exitant::Exitant;
+use crate::transport::illumination::IlluminationSample;
+use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
+use crate::transport::occlusion::{Candidates, Occlusion, Target};
+use crate::transport::propagate::{Environment, Gloss, LinkStats, is_near};
+use crate::transport::rays::Rays;
+use crate::transport::sample::unoccluded_sample;
+
+/// Links weaker than this share of the accuracy are weighed by one ray.
+const FAINT: f32 = 1.0 / 32.0;
+
+/// What a gathering reads.
+pub struct Gather<'a> {
+    /// What does not change.
+    pub environment: &'a Environment<'a>,
+    /// Light that leaves.
+    pub exitant: &'a Exitant,
+    /// Nodes when the exitant light was computed: later ones do not send.
+    pub node_count: usize,
+    /// Rays along each axis of the stratification of an important link; their square is cast.
+    pub strata: u32,
+}
+
+impl Gather<'_> {
+    /// All light that reaches a vertex, from the accuracy `limit` [W·m⁻², mean over channels].
+    pub fn at(
+        &self,
+        hierarchy: &Hierarchy,
+        receiver: &Receiver,
+        gloss: Gloss,
+        limit: f32,
+        samples: &mut Vec<IlluminationSample>,
+    ) -> LinkStats {
+        let mut stats = LinkStats::default();
+        let mut occlusion = Occlusion {
+            occluders: self.environment.occluders,
+            patches: &hierarchy.patches,
+            points: &hierarchy.points,
+            eye: receiver.centre,
+            own: receiver.patch,
+            lists: Vec::new(),
+        };
+        let mut stack = vec![(SenderId::whole(0), Candidates::Unknown)];
+        while let Some((id, candidates)) = stack.pop() {
+            if self.exitant.peak[id.node as usize] <= 0.0 {
+                continue;
+            }
+            let sender = Sender::new(hierarchy, id);
+            if sender.patch == receiver.patch && sender.patch != NONE {
+                continue;
+            }
+            let is_good =
+                |bounds: &Bounds| self.error(hierarchy, bounds, receiver, &sender, gloss) <= limit;
+            let bounds = bounds(receiver, &sender, self.exitant, is_good);
+            if bounds.high <= 0.0 {
+                continue;
+            }
+            let can_refine = sender.can_refine();
+            if can_refine && !is_good(&bounds) {
+                sender.parts(hierarchy, self.node_count, |part| {
+                    stack.push((part, candidates))
+                });
+                continue;
+            }
+            let Some(mut sample) = unoccluded_sample(receiver, &sender, self.exitant) else {
+                continue;
+            };
+            let strength = sample.irradiance.mean();
+            let mut candidates = candidates;
+            if strength > FAINT * limit
+                && let Some(polygon) = &sender.polygon
+                && let Some(target) = Target::new(
+                    polygon,
+                    sender.normal,
+                    sender.patch,
+                    receiver.centre,
+                    receiver.normal,
+                )
+            {
+                candidates = occlusion.candidates(&target, candidates);
+                if let Candidates::List(from, to) = candidates
+                    && let Some(visible) = occlusion.visible(&target, (from, to))
+                {
+                    stats.links += 1;
+                    stats.clear_shafts += u64::from(from == to);
+                    if from < to {
+                        sample = sample.seen_partly(target.vector(), visible);
+                    }
+                    if !sample.irradiance.is_black() {
+                        samples.push(sample);
+                    }
+                    continue;
+                }
+            }
+            let strata = if strength > limit { self.strata } else { 1 };
+            let rays = Rays {
+                occluders: self.environment.occluders,
+                exitant: self.exitant,
+                hierarchy,
+                receiver_node: NONE,
+                receiver,
+                sender: &sender,
+            };
+            let (transmittance, mixed) = rays.strata(strata, &mut stats);
+            if mixed && can_refine && strength > limit {
+                sender.parts(hierarchy, self.node_count, |part| {
+                    stack.push((part, candidates))
+                });
+                continue;
+            }
+            stats.links += 1;
+            if !transmittance.is_black() {
+                samples.push(IlluminationSample {
+                    irradiance: sample.irradiance * transmittance,
+                    ..sample
+                });
+            }
+        }
+        self.point_lights(receiver, samples, &mut stats);
+        stats
+    }
+
+    /// How far the sample of a link may be from the truth [W·m⁻²].
+    fn error(
+        &self,
+        hierarchy: &Hierarchy,
+        bounds: &Bounds,
+        receiver: &Receiver,
+        sender: &Sender,
+        gloss: Gloss,
+    ) -> f32 {
+        if is_near(bounds, receiver, sender) {
+            return f32::INFINITY;
+        }
+        let node = sender.id.node as usize;
+        let mut error = bounds.high - bounds.low;
+        if sender.polygon.is_some() && self.exitant.distribution[node].is_none() {
+            // The form factor is exact: what is left is how far the radiance of parts is from their mean.
+            let first_child = hierarchy.node(sender.id.node).first_child;
+            let is_leaf = first_child == NONE || first_child as usize >= self.node_count;
+            if is_leaf {
+                error = 0.0;
+            }
+        }
+        if gloss.share > 0.0 && bounds.distance > 0.0 {
+            // The lobe of a sample is as wide as its sender: only the sender's shape is lost.
+            let seen = 0.5 * sender.radius / (bounds.distance * gloss.width);
+            error += bounds.high * gloss.share * (seen * seen).min(1.0);
+        }
+        error
+    }
+
+    fn point_lights(
+        &self,
+        receiver: &Receiver,
+        samples: &mut Vec<IlluminationSample>,
+        stats: &mut LinkStats,
+    ) {
+        for &(position, intensity) in self.environment.point_lights {
+            let offset = position - receiver.centre;
+            let distance_squared = offset.length_squared();
+            if distance_squared <= 0.0 || receiver.normal.is_some_and(|n| n.dot(offset) <= 0.0) {
+                continue;
+            }
+            let passed = self.environment.occluders.transmittance(
+                receiver.centre,
+                position,
+                [receiver.patch, NONE],
+            );
+            stats.rays += 1;
+            if !passed.is_black() {
+                samples.push(IlluminationSample {
+                    direction: offset.normalize(),
+                    irradiance: intensity * passed / distance_squared,
+                    spread: 0.0,
+                    parallax: None,
+                });
+            }
+        }
+    }
+}
