@@ -56,7 +56,21 @@ impl Rays<'_> {
                 .occluders
                 .transmittance(from.point, to.point, [from.patch, to.patch]);
             stats.rays += 1;
-            let weight = from.cosine * to.cosine;
+            let offset = to.point - from.point;
+            let squared = offset.length_squared();
+            if squared <= 0.0 {
+                continue;
+            }
+            // What is near counts for more, as it does in the form factor.
+            let facing = |normal: Option<Vec3>, direction: Vec3| {
+                normal.map_or(1.0, |n| n.dot(direction).max(0.0))
+            };
+            let direction = offset / squared.sqrt();
+            let weight = from.cosine
+                * to.cosine
+                * facing(from.normal, direction)
+                * facing(to.normal, -direction)
+                / squared;
             sum += passed * weight;
             weights += weight;
             least = least.min(passed.mean());
@@ -76,6 +90,7 @@ impl Rays<'_> {
                 point: polygon.point(uv),
                 patch: self.sender.patch,
                 cosine: 1.0,
+                normal: Some(self.sender.normal),
             });
         }
         let power = &self.exitant.power;
@@ -90,6 +105,7 @@ impl Rays<'_> {
                 point: self.receiver.centre,
                 patch,
                 cosine: 1.0,
+                normal: self.receiver.normal,
             });
         }
         if let Some(polygon) = &self.receiver.polygon {
@@ -97,6 +113,7 @@ impl Rays<'_> {
                 point: polygon.point(uv),
                 patch,
                 cosine: 1.0,
+                normal: self.receiver.normal,
             });
         }
         self.surface_point(self.receiver_node, seed, towards, |id| {
@@ -142,6 +159,7 @@ impl Rays<'_> {
                 point,
                 patch: element.patch,
                 cosine,
+                normal: None,
             })
         })
     }
@@ -152,6 +170,8 @@ struct RayEnd {
     point: Vec3,
     /// Whose surface does not block.
     patch: u32,
+    /// Normal of an element or a vertex.
+    normal: Option<Vec3>,
     /// Cosine to the other end on clusters, where the sample does not hold it.
     cosine: f32,
 }
