@@ -137,6 +137,12 @@ impl Hierarchy {
         self.node(id).first_child == NONE
     }
 
+    /// True when `id` has children that existed when there were `count` nodes.
+    pub fn has_children_among(&self, id: NodeId, count: usize) -> bool {
+        let first = self.node(id).first_child;
+        first != NONE && (first as usize) < count
+    }
+
     /// Number of clusters.
     pub fn cluster_count(&self) -> usize {
         self.nodes.len() - self.elements.len()

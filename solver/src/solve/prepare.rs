@@ -94,7 +94,6 @@ impl Prepared {
     pub fn environment(&self) -> Environment<'_> {
         Environment {
             occluders: &self.occluders,
-            glass: &self.glass,
             lobes: &self.lobes,
             point_lights: &self.frame.point_lights,
             diffuse: &self.diffuse,

@@ -16,6 +16,10 @@ pub struct Exitant {
     pub peak: Vec<f32>,
     /// Power that leaves the node [mean over channels].
     pub power: Vec<f32>,
+    /// Largest exitance of a leaf of an element [mean over channels, W·m⁻²]; zero for clusters.
+    pub brightest: Vec<f32>,
+    /// Where the light leaves: the mean of the centres of its leaves, weighted by power.
+    pub centre: Vec<Vec3>,
 }
 
 impl Exitant {
@@ -26,6 +30,8 @@ impl Exitant {
             distribution: vec![None; count],
             peak: vec![0.0; count],
             power: vec![0.0; count],
+            brightest: vec![0.0; count],
+            centre: vec![Vec3::ZERO; count],
         }
     }
 
@@ -78,6 +84,19 @@ impl Exitant {
         )
     }
 
+    /// How wrong the mean radiance of an element of `area` may be for the `share` of it that is seen, as a share of
+    /// what all of it sends: what stands on a surface hides it just where it is dark.
+    pub fn unevenness(&self, id: NodeId, area: f32, share: f32) -> f32 {
+        let (power, most) = (self.power[id as usize], self.brightest[id as usize] * area);
+        if power <= 0.0 {
+            return 0.0;
+        }
+        let (seen, hidden) = (share.min(1.0), (1.0 - share).max(0.0));
+        // All light in one part, or no part brighter than the brightest.
+        seen.max(hidden)
+            .min((most / power - 1.0).max(0.0) * seen.min(hidden))
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.distribution
@@ -85,6 +104,6 @@ impl Exitant {
             .flatten()
             .map(|d| size_of_val::<[u32]>(d))
             .sum::<usize>()
-            + self.len() * 36
+            + self.len() * 52
     }
 }

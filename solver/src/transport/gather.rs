@@ -4,17 +4,22 @@
 //! refinement at all: links are split only where the sender's radiance differs over its parts or directions.
 //! Cost: a bound and a pyramid per link, rays where much stands in between.
 
+use crate::geometry::Cone;
 use crate::hierarchy::{Hierarchy, NONE};
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
-use crate::transport::occlusion::{Candidates, Occlusion, Target};
+use crate::transport::occlusion::{Candidates, Geometry, Occlusion, Target};
 use crate::transport::propagate::{Environment, Gloss, LinkStats, is_near};
 use crate::transport::rays::Rays;
 use crate::transport::sample::unoccluded_sample;
 
 /// Links weaker than this share of the accuracy are weighed by one ray.
 const FAINT: f32 = 1.0 / 32.0;
+
+/// A partly hidden sender may be this share of the accuracy off because its radiance is uneven: such errors have one
+/// sign and add up.
+const UNEVEN: f32 = 0.05;
 
 /// What a gathering reads.
 pub struct Gather<'a> {
@@ -40,9 +45,11 @@ impl Gather<'_> {
     ) -> LinkStats {
         let mut stats = LinkStats::default();
         let mut occlusion = Occlusion {
-            occluders: self.environment.occluders,
-            patches: &hierarchy.patches,
-            points: &hierarchy.points,
+            geometry: Geometry {
+                occluders: self.environment.occluders,
+                patches: &hierarchy.patches,
+                points: &hierarchy.points,
+            },
             eye: receiver.centre,
             own: receiver.patch,
             lists: Vec::new(),
@@ -86,13 +93,27 @@ impl Gather<'_> {
             {
                 candidates = occlusion.candidates(&target, candidates);
                 if let Candidates::List(from, to) = candidates
-                    && let Some(visible) = occlusion.visible(&target, (from, to))
+                    && let Some(visible) = occlusion.visible(&target, from, to)
                 {
+                    if from < to || target.is_cut {
+                        let above = target.vector();
+                        let whole = Cone::new(polygon, receiver.centre).vector_irradiance();
+                        let (above_length, whole_length) = (above.length(), whole.length());
+                        let share = visible.length() / whole_length;
+                        let uneven = self.exitant.unevenness(id.node, sender.node_area, share);
+                        if can_refine
+                            && hierarchy.has_children_among(id.node, self.node_count)
+                            && strength * whole_length * uneven > UNEVEN * limit * above_length
+                        {
+                            sender.parts(hierarchy, self.node_count, |part| {
+                                stack.push((part, candidates))
+                            });
+                            continue;
+                        }
+                        sample = sample.seen_partly(above, visible);
+                    }
                     stats.links += 1;
                     stats.clear_shafts += u64::from(from == to);
-                    if from < to {
-                        sample = sample.seen_partly(target.vector(), visible);
-                    }
                     if !sample.irradiance.is_black() {
                         samples.push(sample);
                     }
@@ -143,9 +164,7 @@ impl Gather<'_> {
         let mut error = bounds.high - bounds.low;
         if sender.polygon.is_some() && self.exitant.distribution[node].is_none() {
             // The form factor is exact: what is left is how far the radiance of parts is from their mean.
-            let first_child = hierarchy.node(sender.id.node).first_child;
-            let is_leaf = first_child == NONE || first_child as usize >= self.node_count;
-            if is_leaf {
+            if !hierarchy.has_children_among(sender.id.node, self.node_count) {
                 error = 0.0;
             }
         }

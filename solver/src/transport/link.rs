@@ -32,6 +32,11 @@ impl SenderId {
             depth: 0,
         }
     }
+
+    /// True for a whole node.
+    pub fn is_whole(&self) -> bool {
+        self.depth == 0
+    }
 }
 
 /// A sender's geometry.

@@ -1,11 +1,13 @@
 //! Light from surface to surface: exitant light, links and their bounds, visibility, propagation, reflection, pull.
 
+mod connect;
 pub mod exitant;
 pub mod gather;
 pub mod illumination;
 mod kernel;
 pub mod link;
 mod occlusion;
+mod point_light;
 pub mod propagate;
 pub mod pull;
 mod rays;

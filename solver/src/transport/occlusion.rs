@@ -10,7 +10,7 @@ use crate::transport::visibility::Occluders;
 use glam::Vec3;
 
 /// Candidates that are cut exactly.
-const MOST_CANDIDATES: usize = 32;
+pub(super) const MOST_CANDIDATES: usize = 32;
 
 /// Parts of a sender that are still seen; more are not worth their time.
 const MOST_PIECES: usize = 48;
@@ -31,6 +31,8 @@ pub(super) enum Candidates {
 pub(super) struct Target {
     /// The part above the point's horizon.
     cone: Cone,
+    /// A part of it lies below the horizon.
+    pub(super) is_cut: bool,
     patch: u32,
     /// Plane of the polygon relative to the point: c·normal = offset < 0 on it; nearer is greater.
     normal: Vec3,
@@ -50,10 +52,16 @@ impl Target {
         if offset >= 0.0 {
             return None;
         }
-        let cone = Cone::new(polygon, point);
-        let cone = horizon.map_or(cone, |horizon| cone.above(horizon, 0.0));
+        let whole = Cone::new(polygon, point);
+        let below = |normal: Vec3| whole.corners().iter().any(|c| c.dot(normal) < 0.0);
+        let is_cut = horizon.is_some_and(below);
+        let cone = match horizon {
+            Some(horizon) if is_cut => whole.above(horizon, 0.0),
+            _ => whole,
+        };
         (!cone.is_empty()).then_some(Self {
             cone,
+            is_cut,
             patch,
             normal,
             offset,
@@ -66,11 +74,75 @@ impl Target {
     }
 }
 
-/// Finds and cuts occluders of one point; reused from point to point.
-pub(super) struct Occlusion<'a> {
+/// Where occluders are found.
+#[derive(Clone, Copy)]
+pub(super) struct Geometry<'a> {
     pub(super) occluders: &'a Occluders,
     pub(super) patches: &'a [Patch],
     pub(super) points: &'a [Vec3],
+}
+
+impl Geometry<'_> {
+    /// The shape of a patch.
+    pub(super) fn polygon(&self, patch: u32) -> Polygon {
+        let corners = self.patches[patch as usize].points;
+        let at = |i: usize| self.points[corners[i] as usize];
+        if corners[3] == crate::hierarchy::NONE {
+            Polygon::new(&[at(0), at(1), at(2)])
+        } else {
+            Polygon::new(&[at(0), at(1), at(2), at(3)])
+        }
+    }
+
+    /// Vector irradiance [sr] of what `eye` sees of `target` past `candidates`; `None` when it falls into too many
+    /// pieces.
+    pub(super) fn visible(&self, eye: Vec3, target: &Target, candidates: &[u32]) -> Option<Vec3> {
+        let mut pieces = vec![target.cone];
+        let mut cut = Vec::new();
+        for &patch in candidates {
+            let Some((occluder, front)) = self.occluder(eye, patch, target) else {
+                continue;
+            };
+            cut.clear();
+            for piece in &pieces {
+                subtract(piece, &occluder, front, &mut cut)?;
+            }
+            std::mem::swap(&mut pieces, &mut cut);
+            if pieces.is_empty() {
+                break;
+            }
+        }
+        Some(pieces.iter().map(Cone::vector_irradiance).sum())
+    }
+
+    /// The part of `patch` that lies before `target`, and whether it shows its front to the point.
+    fn occluder(&self, eye: Vec3, patch: u32, target: &Target) -> Option<(Cone, bool)> {
+        let polygon = self.polygon(patch);
+        let normal = polygon.vector_area().normalize_or_zero();
+        let height = normal.dot(polygon.corners()[0] - eye);
+        // Seen from its edge, or the surface that the point lies on under another name.
+        if height.abs() <= COPLANAR {
+            return None;
+        }
+        let cone = Cone::new(&polygon, eye);
+        let heights = || {
+            cone.corners()
+                .iter()
+                .map(|c| c.dot(target.normal) - target.offset)
+        };
+        if heights().all(|h| h <= COPLANAR) {
+            // In one place with the target: the first patch is seen.
+            let coincident = heights().all(|h| h >= -COPLANAR) && patch < target.patch;
+            return coincident.then_some((cone, height < 0.0));
+        }
+        let before = cone.above(target.normal, target.offset);
+        (!before.is_empty()).then_some((before, height < 0.0))
+    }
+}
+
+/// Finds occluders of one point.
+pub(super) struct Occlusion<'a> {
+    pub(super) geometry: Geometry<'a>,
     /// The point.
     pub(super) eye: Vec3,
     /// The patch that it lies on.
@@ -102,21 +174,22 @@ impl Occlusion<'_> {
                     count += 1;
                 }
                 planes[count] = (target.normal, target.offset - COPLANAR);
-                let found = self
-                    .occluders
-                    .reaching(self.eye, &planes[..=count], |patch| {
-                        if patch == self.own
-                            || patch == target.patch
-                            || self.lists[first..].contains(&patch)
-                        {
-                            return true;
-                        }
-                        let corners = polygon_of(self.patches, self.points, patch);
-                        if reaches(&corners, self.eye, target) {
-                            self.lists.push(patch);
-                        }
-                        self.lists.len() - first <= MOST_CANDIDATES
-                    });
+                let found =
+                    self.geometry
+                        .occluders
+                        .reaching(self.eye, &planes[..=count], |patch| {
+                            if patch == self.own
+                                || patch == target.patch
+                                || self.lists[first..].contains(&patch)
+                            {
+                                return true;
+                            }
+                            let corners = self.geometry.polygon(patch);
+                            if reaches(&corners, self.eye, target) {
+                                self.lists.push(patch);
+                            }
+                            self.lists.len() - first <= MOST_CANDIDATES
+                        });
                 if !found {
                     self.lists.truncate(first);
                     return Candidates::Many;
@@ -127,66 +200,13 @@ impl Occlusion<'_> {
     }
 
     fn reaches(&self, patch: u32, target: &Target) -> bool {
-        reaches(
-            &polygon_of(self.patches, self.points, patch),
-            self.eye,
-            target,
-        )
+        reaches(&self.geometry.polygon(patch), self.eye, target)
     }
 
-    /// Vector irradiance [sr] of what is seen of `target` past `candidates`; `None` when it falls into too many
-    /// pieces.
-    pub(super) fn visible(&self, target: &Target, candidates: (u32, u32)) -> Option<Vec3> {
-        let mut pieces = vec![target.cone];
-        let mut cut = Vec::new();
-        for &patch in &self.lists[candidates.0 as usize..candidates.1 as usize] {
-            let Some((occluder, front)) = self.occluder(patch, target) else {
-                continue;
-            };
-            cut.clear();
-            for piece in &pieces {
-                subtract(piece, &occluder, front, &mut cut)?;
-            }
-            std::mem::swap(&mut pieces, &mut cut);
-            if pieces.is_empty() {
-                break;
-            }
-        }
-        Some(pieces.iter().map(Cone::vector_irradiance).sum())
-    }
-
-    /// The part of `patch` that lies before `target`, and whether it shows its front to the point.
-    fn occluder(&self, patch: u32, target: &Target) -> Option<(Cone, bool)> {
-        let polygon = polygon_of(self.patches, self.points, patch);
-        let normal = polygon.vector_area().normalize_or_zero();
-        let height = normal.dot(polygon.corners()[0] - self.eye);
-        // Seen from its edge, or the surface that the point lies on under another name.
-        if height.abs() <= COPLANAR {
-            return None;
-        }
-        let cone = Cone::new(&polygon, self.eye);
-        let heights = || {
-            cone.corners()
-                .iter()
-                .map(|c| c.dot(target.normal) - target.offset)
-        };
-        if heights().all(|h| h <= COPLANAR) {
-            // In one place with the target: the first patch is seen.
-            let coincident = heights().all(|h| h >= -COPLANAR) && patch < target.patch;
-            return coincident.then_some((cone, height < 0.0));
-        }
-        let before = cone.above(target.normal, target.offset);
-        (!before.is_empty()).then_some((before, height < 0.0))
-    }
-}
-
-fn polygon_of(patches: &[Patch], points: &[Vec3], patch: u32) -> Polygon {
-    let corners = patches[patch as usize].points;
-    let at = |i: usize| points[corners[i] as usize];
-    if corners[3] == crate::hierarchy::NONE {
-        Polygon::new(&[at(0), at(1), at(2)])
-    } else {
-        Polygon::new(&[at(0), at(1), at(2), at(3)])
+    /// [`Geometry::visible`] past the range `from..to` of the lists.
+    pub(super) fn visible(&self, target: &Target, from: u32, to: u32) -> Option<Vec3> {
+        let candidates = &self.lists[from as usize..to as usize];
+        self.geometry.visible(self.eye, target, candidates)
     }
 }
 

@@ -5,27 +5,23 @@
 //! Cost: a bound per link visited, rays per link accepted.
 
 use crate::brdf::Lobe;
-use crate::hierarchy::{Hierarchy, NONE, NodeId};
+use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
+use crate::transport::connect::{Connection, Link};
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, SampleSets};
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
-use crate::transport::rays::Rays;
-use crate::transport::sample::unoccluded_sample;
-use crate::transport::shaft;
 use crate::transport::visibility::Occluders;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What does not change during a solve.
 pub struct Environment<'a> {
     /// All surfaces.
     pub occluders: &'a Occluders,
-    /// Clear triangles, for shafts.
-    pub glass: &'a [[Vec3; 3]],
     /// Glossy lobe per material.
     pub lobes: &'a [Option<Lobe>],
     /// Point lights: position, intensity.
@@ -108,13 +104,6 @@ impl Gloss {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Pending {
-    sender: SenderId,
-    /// An empty shaft has been found around this link or one that holds it.
-    visible: bool,
-}
-
 /// A cluster stands for what it holds only from further away than this many of its radii.
 const CLUSTER_DISTANCE: f32 = 1.5;
 
@@ -182,15 +171,15 @@ pub struct Propagation<'a> {
 }
 
 #[derive(Default)]
-struct Outcome {
-    samples: Vec<IlluminationSample>,
-    refined: Vec<Pending>,
+pub(super) struct Outcome {
+    pub(super) samples: Vec<IlluminationSample>,
+    pub(super) refined: Vec<SenderId>,
     records: Vec<LinkRecord>,
-    stats: LinkStats,
+    pub(super) stats: LinkStats,
 }
 
 /// Senders from this number on are point lights: no scene has as many nodes.
-const POINT_LIGHTS: NodeId = 1 << 31;
+pub(super) const POINT_LIGHTS: NodeId = 1 << 31;
 
 /// Receivers that are worked off between two reports.
 const BATCH: usize = 8192;
@@ -210,14 +199,11 @@ impl Propagation<'_> {
         } else {
             0
         };
-        let first: Arc<[Pending]> = std::iter::once(0)
+        let first: Arc<[SenderId]> = std::iter::once(0)
             .chain((0..lights).map(|light| POINT_LIGHTS + light))
-            .map(|sender| Pending {
-                sender: SenderId::whole(sender),
-                visible: false,
-            })
+            .map(SenderId::whole)
             .collect();
-        let mut front: Vec<(NodeId, Arc<[Pending]>)> = vec![(0, first)];
+        let mut front: Vec<(NodeId, Arc<[SenderId]>)> = vec![(0, first)];
         while !front.is_empty() {
             let mut next = Vec::new();
             for batch in front.chunks(BATCH) {
@@ -237,7 +223,7 @@ impl Propagation<'_> {
                     if hierarchy.is_leaf(*id) {
                         hierarchy.subdivide(*id);
                     }
-                    let refined: Arc<[Pending]> = outcome.refined.into();
+                    let refined: Arc<[SenderId]> = outcome.refined.into();
                     next.extend(
                         hierarchy
                             .children(*id)
@@ -251,23 +237,6 @@ impl Propagation<'_> {
             front = next;
         }
         stats
-    }
-
-    fn rays<'b>(
-        &'b self,
-        hierarchy: &'b Hierarchy,
-        receiver_node: NodeId,
-        receiver: &'b Receiver,
-        sender: &'b Sender,
-    ) -> Rays<'b> {
-        Rays {
-            occluders: self.environment.occluders,
-            exitant: self.exitant,
-            hierarchy,
-            receiver_node,
-            receiver,
-            sender,
-        }
     }
 
     fn gloss(&self, hierarchy: &Hierarchy, id: NodeId) -> Gloss {
@@ -284,7 +253,7 @@ impl Propagation<'_> {
     }
 
     /// Works off all links that reach one receiver; links that need a smaller receiver are returned.
-    fn refine(&self, hierarchy: &Hierarchy, id: NodeId, pending: &[Pending]) -> Outcome {
+    fn refine(&self, hierarchy: &Hierarchy, id: NodeId, pending: &[SenderId]) -> Outcome {
         let mut outcome = Outcome::default();
         let reflecting_area = hierarchy.node(id).reflecting_area;
         let receiver = Receiver::node(hierarchy, id);
@@ -294,23 +263,23 @@ impl Propagation<'_> {
             Some(_) => !hierarchy.is_leaf(id) || receiver.radius > self.accuracy.min_radius,
             None => true,
         };
-        let mut stack: Vec<Pending> = pending.iter().rev().copied().collect();
+        let mut stack: Vec<SenderId> = pending.iter().rev().copied().collect();
         while let Some(link) = stack.pop() {
-            if let Some(light) = link.sender.node.checked_sub(POINT_LIGHTS) {
+            if let Some(light) = link.node.checked_sub(POINT_LIGHTS) {
                 self.connect_point_light(&receiver, light as usize, limit, can_split, &mut outcome);
                 continue;
             }
-            if self.exitant.peak[link.sender.node as usize] <= 0.0 {
+            if self.exitant.peak[link.node as usize] <= 0.0 {
                 continue;
             }
-            let sender = Sender::new(hierarchy, link.sender);
+            let sender = Sender::new(hierarchy, link);
             let is_good = |bounds: &Bounds| error(bounds, &receiver, &sender, gloss) <= limit;
             let bounds = bounds(&receiver, &sender, self.exitant, is_good);
             if bounds.high <= 0.0 {
                 continue;
             }
-            let same = id == link.sender.node;
-            let power = self.exitant.power[link.sender.node as usize];
+            let same = id == link.node;
+            let power = self.exitant.power[link.node as usize];
             if (same || is_near(&bounds, &receiver, &sender))
                 && power < NEGLIGIBLE * self.accuracy.tolerance
             {
@@ -324,180 +293,44 @@ impl Propagation<'_> {
                 if can_split && (receiver.radius >= sender.radius || !can_refine_sender) {
                     outcome.refined.push(link);
                 } else {
-                    sender.parts(hierarchy, self.node_count, |part| {
-                        stack.push(Pending {
-                            sender: part,
-                            ..link
-                        })
-                    });
+                    sender.parts(hierarchy, self.node_count, |part| stack.push(part));
                 }
                 continue;
             }
             if same {
                 continue;
             }
-            match self.connect(
+            let found = Link {
                 hierarchy,
-                id,
-                &receiver,
-                &sender,
-                &bounds,
+                receiver_node: id,
+                receiver: &receiver,
+                sender: &sender,
+                bounds: &bounds,
                 limit,
-                link,
-                &mut outcome,
-            ) {
-                Connection::Sample => {}
+            };
+            match self.connect(&found, &mut outcome.stats) {
+                Connection::Accepted { sample, clear } => {
+                    outcome.stats.links += 1;
+                    outcome.stats.patch_links += u64::from(found.is_between_elements());
+                    if self.record {
+                        let low = if clear { bounds.low } else { 0.0 };
+                        outcome.records.push(LinkRecord {
+                            receiver: id,
+                            sender: link,
+                            low,
+                            high: bounds.high,
+                        });
+                    }
+                    outcome.samples.extend(sample);
+                }
                 Connection::Mixed if can_split && receiver.radius >= sender.radius => {
                     outcome.refined.push(link)
                 }
-                Connection::Mixed => {
-                    sender.parts(hierarchy, self.node_count, |part| {
-                        stack.push(Pending {
-                            sender: part,
-                            ..link
-                        })
-                    });
+                Connection::Mixed | Connection::Uneven => {
+                    sender.parts(hierarchy, self.node_count, |part| stack.push(part));
                 }
             }
         }
         outcome
     }
-
-    /// Accepts a link: visibility and sample. `Mixed` when rays differ and the link is too strong for that.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one step of `refine`, split out for reading"
-    )]
-    fn connect(
-        &self,
-        hierarchy: &Hierarchy,
-        id: NodeId,
-        receiver: &Receiver,
-        sender: &Sender,
-        bounds: &Bounds,
-        limit: f32,
-        link: Pending,
-        outcome: &mut Outcome,
-    ) -> Connection {
-        let started = Instant::now();
-        let mut visible = link.visible;
-        if !visible && sender.polygon.is_some() && receiver.polygon.is_some() && bounds.high > limit
-        {
-            let (a, b) = (hierarchy.node(id), hierarchy.node(sender.id.node));
-            visible = shaft::is_clear(
-                hierarchy,
-                self.environment.glass,
-                a,
-                b,
-                [receiver.patch, sender.patch],
-            );
-            outcome.stats.clear_shafts += u64::from(visible);
-        }
-        let transmittance = if visible {
-            Rgb::WHITE
-        } else {
-            let strong = bounds.high > limit;
-            let strata = if strong { self.accuracy.strata } else { 2 };
-            let cast = self.rays(hierarchy, id, receiver, sender);
-            let (mean, mixed) = cast.strata(strata, &mut outcome.stats);
-            let refinable = sender.can_refine() && sender.radius > self.accuracy.min_radius
-                || receiver.polygon.is_none()
-                || receiver.radius > self.accuracy.min_radius;
-            if mixed && refinable && bounds.high > 4.0 * limit {
-                outcome.stats.visibility += started.elapsed();
-                return Connection::Mixed;
-            }
-            mean
-        };
-        outcome.stats.visibility += started.elapsed();
-        outcome.stats.links += 1;
-        outcome.stats.patch_links +=
-            u64::from(sender.polygon.is_some() && receiver.polygon.is_some());
-        if self.record {
-            let low = if visible { bounds.low } else { 0.0 };
-            outcome.records.push(LinkRecord {
-                receiver: id,
-                sender: link.sender,
-                low,
-                high: bounds.high,
-            });
-        }
-        if !transmittance.is_black()
-            && let Some(sample) = unoccluded_sample(receiver, sender, self.exitant)
-        {
-            outcome.samples.push(IlluminationSample {
-                irradiance: sample.irradiance * transmittance,
-                ..sample
-            });
-        }
-        Connection::Sample
-    }
-
-    /// The link from a point light: E⊥ = I/d², split while distance or visibility vary over the receiver.
-    fn connect_point_light(
-        &self,
-        receiver: &Receiver,
-        light: usize,
-        limit: f32,
-        can_split: bool,
-        outcome: &mut Outcome,
-    ) {
-        let (position, intensity) = self.environment.point_lights[light];
-        let offset = position - receiver.centre;
-        let distance = offset.length();
-        if let Some(normal) = receiver.normal
-            && offset.dot(normal) <= 0.0
-        {
-            return;
-        }
-        let near = (distance - receiver.radius).max(0.0);
-        let high = intensity.mean() / (near * near);
-        let low = intensity.mean() / (distance + receiver.radius).powi(2);
-        let turned = high * (receiver.radius / distance);
-        let link = Pending {
-            sender: SenderId::whole(POINT_LIGHTS + light as u32),
-            visible: false,
-        };
-        if (high - low + turned > limit || near == 0.0) && can_split {
-            return outcome.refined.push(link);
-        }
-        if distance == 0.0 {
-            return;
-        }
-        let side = self.accuracy.strata;
-        let (mut sum, mut least, mut most) = (Rgb::BLACK, f32::INFINITY, 0.0f32);
-        for ray in 0..side * side {
-            let (x, y) = ((ray % side) as f32 + 0.5, (ray / side) as f32 + 0.5);
-            let from = match &receiver.polygon {
-                Some(polygon) => polygon.point(Vec2::new(x, y) / side as f32),
-                None => receiver.centre,
-            };
-            let passed =
-                self.environment
-                    .occluders
-                    .transmittance(from, position, [receiver.patch, NONE]);
-            sum += passed;
-            least = least.min(passed.mean());
-            most = most.max(passed.mean());
-            outcome.stats.rays += 1;
-        }
-        if most > least && can_split && high > limit {
-            return outcome.refined.push(link);
-        }
-        outcome.stats.links += 1;
-        let irradiance = intensity * sum / (side * side) as f32 / (distance * distance);
-        if !irradiance.is_black() {
-            outcome.samples.push(IlluminationSample {
-                direction: offset / distance,
-                irradiance,
-                spread: 0.0,
-                parallax: None,
-            });
-        }
-    }
-}
-
-enum Connection {
-    Sample,
-    Mixed,
 }

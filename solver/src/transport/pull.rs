@@ -59,6 +59,8 @@ struct Pulled {
     distribution: Option<Box<[u32]>>,
     peak: f32,
     power: f32,
+    brightest: f32,
+    centre: Vec3,
 }
 
 /// Fills `exitant` for every inner node from its leaves, whose own is known. `epsilon`: of the refiner.
@@ -80,6 +82,14 @@ pub fn pull(hierarchy: &Hierarchy, exitant: &mut Exitant, epsilon: f32) {
             by_height[usize::from(h) - 1].push(id);
         }
     }
+    for element in &hierarchy.elements {
+        if hierarchy.is_leaf(element.node) {
+            let at = element.node as usize;
+            let node = hierarchy.node(element.node);
+            exitant.brightest[at] = exitant.power[at] / node.area;
+            exitant.centre[at] = node.centre;
+        }
+    }
     for ids in by_height {
         let shared = &*exitant;
         let pulled: Vec<Pulled> = ids
@@ -95,6 +105,8 @@ pub fn pull(hierarchy: &Hierarchy, exitant: &mut Exitant, epsilon: f32) {
             exitant.distribution[id] = pulled.distribution;
             exitant.peak[id] = pulled.peak;
             exitant.power[id] = pulled.power;
+            exitant.brightest[id] = pulled.brightest;
+            exitant.centre[id] = pulled.centre;
         }
     }
 }
@@ -121,6 +133,8 @@ fn pull_node(
         distribution: None,
         peak: 0.0,
         power: 0.0,
+        brightest: 0.0,
+        centre: hierarchy.node(id).centre,
     };
     if lit.is_empty() {
         return dark;
@@ -133,6 +147,15 @@ fn pull_node(
         })
     } else {
         Rgb::BLACK
+    };
+    let weighted = |&c: &NodeId| exitant.centre[c as usize] * exitant.power[c as usize];
+    let centre = lit.iter().map(weighted).sum::<Vec3>() / power;
+    let brightest = match element {
+        Some(_) => lit
+            .iter()
+            .map(|&c| exitant.brightest[c as usize])
+            .fold(0.0, f32::max),
+        None => 0.0,
     };
     let directional = element.is_none()
         || lit
@@ -192,5 +215,7 @@ fn pull_node(
         distribution,
         peak,
         power,
+        brightest,
+        centre,
     }
 }

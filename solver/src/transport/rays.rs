@@ -86,6 +86,14 @@ impl Rays<'_> {
 
     fn sender_point(&self, uv: Vec2, seed: u32) -> Option<RayEnd> {
         if let Some(polygon) = &self.sender.polygon {
+            // The brighter a part, the more it counts.
+            let mut polygon = *polygon;
+            let mut id = self.sender.id.node;
+            let mut salt = 100;
+            while let Some(child) = self.brighter_child(id, hash::unit(seed, salt)) {
+                polygon = self.hierarchy.element_of(child)?.polygon;
+                (id, salt) = (child, salt + 1);
+            }
             return Some(RayEnd {
                 point: polygon.point(uv),
                 patch: self.sender.patch,
@@ -96,6 +104,28 @@ impl Rays<'_> {
         let power = &self.exitant.power;
         let weight = |id: NodeId| power.get(id as usize).copied().unwrap_or(0.0);
         self.surface_point(self.sender.id.node, seed, self.receiver.centre, weight)
+    }
+
+    /// A child of an element that sends, in proportion to its power.
+    fn brighter_child(&self, id: NodeId, at: f32) -> Option<NodeId> {
+        let power = |child: NodeId| {
+            self.exitant
+                .power
+                .get(child as usize)
+                .copied()
+                .unwrap_or(0.0)
+        };
+        let children = self.hierarchy.children(id);
+        let mut left = at * children.clone().map(power).sum::<f32>();
+        let mut chosen = None;
+        for child in children.filter(|&child| power(child) > 0.0) {
+            chosen = Some(child);
+            left -= power(child);
+            if left < 0.0 {
+                break;
+            }
+        }
+        chosen
     }
 
     fn receiver_point(&self, uv: Vec2, seed: u32, towards: Vec3) -> Option<RayEnd> {

@@ -1,6 +1,8 @@
-//! Shafts between two boxes (Haines & Wallace 1991): a link whose shaft holds nothing is visible without a ray.
+//! Shafts between two boxes (Haines & Wallace 1991): a link whose shaft holds nothing is visible without a ray, and what
+//! it holds is cut out exactly where that is little.
 
-use crate::hierarchy::{Hierarchy, Node, NodeId};
+use crate::transport::link::{COPLANAR, Receiver, Sender};
+use crate::transport::occlusion::Geometry;
 use glam::Vec3;
 
 /// The convex hull of two boxes, as the box around both and up to eight planes.
@@ -82,55 +84,63 @@ impl Shaft {
                 normal.dot(nearest) >= offset
             })
     }
-
-    fn excludes_corners(&self, corners: &[Vec3]) -> bool {
-        self.planes[..self.plane_count]
-            .iter()
-            .any(|&(normal, offset)| corners.iter().all(|&c| normal.dot(c) >= offset))
-    }
 }
 
-/// True when nothing but the patches `ends` reaches into the shaft between two element nodes. Proven up to the
-/// rounding of the plane tests; glass counts as an occluder, because it tints.
-pub fn is_clear(
-    hierarchy: &Hierarchy,
-    glass: &[[Vec3; 3]],
-    receiver: &Node,
-    sender: &Node,
-    ends: [u32; 2],
-) -> bool {
+/// Patches but for the two `ends` that reach into the shaft between two polygons, at most `most`; `None` when there
+/// are more, or glass. Coincident surfaces of the sender are among them, those of the receiver are not.
+pub(super) fn occluders(
+    receiver: &Receiver,
+    sender: &Sender,
+    geometry: &Geometry<'_>,
+    most: usize,
+) -> Option<Vec<u32>> {
     let shaft = Shaft::new(
         (receiver.lower, receiver.upper),
         (sender.lower, sender.upper),
     );
-    if glass.iter().any(|corners| {
-        let (low, high) = (
-            corners[0].min(corners[1]).min(corners[2]),
-            corners[0].max(corners[1]).max(corners[2]),
-        );
-        !shaft.excludes_box(low, high) && !shaft.excludes_corners(corners)
-    }) {
-        return false;
+    let mut planes = [(Vec3::ZERO, 0.0); 16];
+    let mut count = 0;
+    let mut add = |normal: Vec3, offset: f32| {
+        planes[count] = (normal, offset);
+        count += 1;
+    };
+    for &(normal, offset) in &shaft.planes[..shaft.plane_count] {
+        add(-normal, -offset - COPLANAR);
     }
-    let mut pending: Vec<NodeId> = vec![0];
-    while let Some(id) = pending.pop() {
-        let node = hierarchy.node(id);
-        if shaft.excludes_box(node.lower, node.upper) {
-            continue;
-        }
-        match hierarchy.element_of(id) {
-            // Patches are tested whole: their elements hold nothing new.
-            Some(element) => {
-                if !ends.contains(&element.patch)
-                    && !shaft.excludes_corners(element.polygon.corners())
-                {
-                    return false;
-                }
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        add(axis, axis.dot(shaft.lower) - COPLANAR);
+        add(-axis, -axis.dot(shaft.upper) - COPLANAR);
+    }
+    if let Some(normal) = receiver.normal {
+        add(normal, normal.dot(receiver.centre));
+    }
+    if sender.polygon.is_some() {
+        add(sender.normal, sender.normal.dot(sender.centre) - COPLANAR);
+    }
+    let mut found = Vec::new();
+    let complete = geometry
+        .occluders
+        .reaching(Vec3::ZERO, &planes[..count], |patch| {
+            if patch == receiver.patch || patch == sender.patch || found.contains(&patch) {
+                return true;
             }
-            None => pending.extend(hierarchy.children(id)),
-        }
-    }
-    true
+            let polygon = geometry.polygon(patch);
+            let corners = polygon.corners();
+            let outside = planes[..count]
+                .iter()
+                .any(|&(normal, offset)| corners.iter().all(|c| c.dot(normal) <= offset));
+            // In the receiver's plane.
+            let below = receiver.normal.is_some_and(|n| {
+                corners
+                    .iter()
+                    .all(|&c| (c - receiver.centre).dot(n) <= COPLANAR)
+            });
+            if !outside && !below {
+                found.push(patch);
+            }
+            found.len() <= most
+        });
+    complete.then_some(found)
 }
 
 #[cfg(test)]

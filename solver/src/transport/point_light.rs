@@ -1,0 +1,70 @@
+//! Links from point lights.
+
+use crate::hierarchy::NONE;
+use crate::radiometry::Rgb;
+use crate::transport::illumination::IlluminationSample;
+use crate::transport::link::{Receiver, SenderId};
+use crate::transport::propagate::{Outcome, POINT_LIGHTS, Propagation};
+use glam::Vec2;
+
+impl Propagation<'_> {
+    /// The link from a point light: E⊥ = I/d², split while distance or visibility vary over the receiver.
+    pub(super) fn connect_point_light(
+        &self,
+        receiver: &Receiver,
+        light: usize,
+        limit: f32,
+        can_split: bool,
+        outcome: &mut Outcome,
+    ) {
+        let (position, intensity) = self.environment.point_lights[light];
+        let offset = position - receiver.centre;
+        let distance = offset.length();
+        if let Some(normal) = receiver.normal
+            && offset.dot(normal) <= 0.0
+        {
+            return;
+        }
+        let near = (distance - receiver.radius).max(0.0);
+        let high = intensity.mean() / (near * near);
+        let low = intensity.mean() / (distance + receiver.radius).powi(2);
+        let turned = high * (receiver.radius / distance);
+        let link = SenderId::whole(POINT_LIGHTS + light as u32);
+        if (high - low + turned > limit || near == 0.0) && can_split {
+            return outcome.refined.push(link);
+        }
+        if distance == 0.0 {
+            return;
+        }
+        let side = self.accuracy.strata;
+        let (mut sum, mut least, mut most) = (Rgb::BLACK, f32::INFINITY, 0.0f32);
+        for ray in 0..side * side {
+            let (x, y) = ((ray % side) as f32 + 0.5, (ray / side) as f32 + 0.5);
+            let from = match &receiver.polygon {
+                Some(polygon) => polygon.point(Vec2::new(x, y) / side as f32),
+                None => receiver.centre,
+            };
+            let passed =
+                self.environment
+                    .occluders
+                    .transmittance(from, position, [receiver.patch, NONE]);
+            sum += passed;
+            least = least.min(passed.mean());
+            most = most.max(passed.mean());
+            outcome.stats.rays += 1;
+        }
+        if most > least && can_split && high > limit {
+            return outcome.refined.push(link);
+        }
+        outcome.stats.links += 1;
+        let irradiance = intensity * sum / (side * side) as f32 / (distance * distance);
+        if !irradiance.is_black() {
+            outcome.samples.push(IlluminationSample {
+                direction: offset / distance,
+                irradiance,
+                spread: 0.0,
+                parallax: None,
+            });
+        }
+    }
+}
