@@ -7,7 +7,7 @@ use crate::transport::link::{Bounds, Receiver, Sender};
 use crate::transport::occlusion::{Geometry, MOST_CANDIDATES, Target};
 use crate::transport::propagate::{LinkStats, Propagation};
 use crate::transport::rays::Rays;
-use crate::transport::sample::{SHIFTED, Seen, seen_sample, unoccluded_sample};
+use crate::transport::sample::{SHIFTED, Seen, View, seen_sample, unoccluded_sample};
 use crate::transport::shaft;
 use glam::Vec3;
 use std::time::Instant;
@@ -15,7 +15,7 @@ use std::time::Instant;
 /// Links between elements with bounds below this share of what is accepted are weighed by rays.
 const FAINT: f32 = 1.0 / 8.0;
 
-/// Visibility may vary over a receiver by this many times what is accepted.
+/// Irradiance may vary over a receiver because of what hides a sender by this many times what is accepted.
 const MIXED: f32 = 2.0;
 
 /// Rays may differ on a link of this many times what is accepted.
@@ -99,11 +99,24 @@ impl Propagation<'_> {
         let seen = if clear {
             Seen::all(unoccluded_sample(receiver, sender, self.exitant))
         } else {
-            seen_sample(receiver, sender, self.exitant, &visible)?
+            let of_receiver = |point: Vec3| {
+                let shape = receiver.polygon.as_ref()?;
+                let (normal, patch) = (receiver.normal?, receiver.patch);
+                match Target::new(shape, normal, patch, point, Some(sender.normal)) {
+                    Some(target) => geometry.visible(point, &target, &between),
+                    None => Some(Vec3::ZERO),
+                }
+            };
+            let is_covered = between
+                .iter()
+                .any(|&patch| geometry.is_in_plane(patch, sender.centre, sender.normal));
+            let view = View {
+                of_sender: &visible,
+                of_receiver: (!is_covered).then_some(&of_receiver),
+            };
+            seen_sample(receiver, sender, self.exitant, view)?
         };
-        if (seen.share.1 - seen.share.0) * link.bounds.high > MIXED * link.limit
-            && self.is_refinable(link)
-        {
+        if seen.contrast > MIXED * link.limit && self.is_refinable(link) {
             return Some(Connection::Mixed);
         }
         if self.is_uneven(link, polygon, &visible)? {

@@ -1,9 +1,9 @@
 //! Illumination samples (§3.2): where light comes from and the normal irradiance it carries.
 
-use crate::hierarchy::{Hierarchy, NONE, Node, NodeId};
+use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
-use crate::transport::kernel::{Kernel, Place};
-use crate::transport::link::{Sender, SenderId};
+use crate::transport::kernel::transfer;
+use crate::transport::link::{Receiver, Sender, SenderId};
 use glam::Vec3;
 
 /// Light from one direction. The cosine at the receiver is not in it: the same sample means the same on a cluster,
@@ -25,8 +25,7 @@ pub struct IlluminationSample {
 pub struct Parallax {
     /// The sender.
     pub sender: SenderId,
-    /// One over the mean over the receiver of what the sender's kernel gives its plane, relative to that
-    /// of the sample: the mean stays what the link found.
+    /// What the link found over what [`transfer`] gives the whole receiver: the mean stays what it is.
     pub scale: f32,
 }
 
@@ -53,30 +52,30 @@ impl IlluminationSample {
 /// A sample of `receiver` as seen from a place on it: other direction, distance and cosine at the sender.
 fn moved(
     hierarchy: &Hierarchy,
-    receiver: &Node,
     sample: &IlluminationSample,
     parallax: &Parallax,
-    here: &Place,
+    here: &Receiver,
     keep_direction: bool,
 ) -> IlluminationSample {
+    let Some(normal) = here.normal else {
+        return *sample;
+    };
     let sender = Sender::new(hierarchy, parallax.sender);
-    let vector = Kernel::new(&sender, receiver.centre, receiver.radius).at(&sender, here);
-    let length = vector.length();
-    let normal_irradiance = length * parallax.scale;
+    let vector = transfer(&sender, here) * parallax.scale;
+    let irradiance = vector.dot(normal);
     let mut moved = IlluminationSample {
         parallax: None,
         ..*sample
     };
-    if keep_direction {
-        let cosine = sample.direction.dot(here.normal);
-        moved.irradiance =
-            sample.irradiance * (vector.dot(here.normal).max(0.0) * parallax.scale / cosine);
-    } else if length > 0.0 {
-        moved.direction = vector / length;
-        moved.irradiance = sample.irradiance * normal_irradiance;
-        moved.spread = sample.spread * normal_irradiance.sqrt();
-    } else {
+    if irradiance <= 0.0 {
         moved.irradiance = Rgb::BLACK;
+    } else if keep_direction {
+        moved.irradiance = sample.irradiance * (irradiance / sample.direction.dot(normal));
+    } else {
+        let length = vector.length();
+        moved.direction = vector / length;
+        moved.irradiance = sample.irradiance * length;
+        moved.spread = sample.spread * length.sqrt();
     }
     moved
 }
@@ -135,26 +134,13 @@ impl SampleSets {
         keep_directions: bool,
         field: &mut Vec<IlluminationSample>,
     ) {
-        let Some(element) = hierarchy.element_of(id) else {
-            return;
-        };
-        let here = Place {
-            position: hierarchy.node(id).centre,
-            normal: element.normal,
-        };
+        let here = Receiver::node(hierarchy, id);
         field.extend_from_slice(self.of(id));
         let mut at = hierarchy.node(id).parent;
         while at != NONE {
             let receiver = hierarchy.node(at);
             field.extend(self.of(at).iter().map(|sample| match sample.parallax {
-                Some(parallax) => moved(
-                    hierarchy,
-                    receiver,
-                    sample,
-                    &parallax,
-                    &here,
-                    keep_directions,
-                ),
+                Some(parallax) => moved(hierarchy, sample, &parallax, &here, keep_directions),
                 None => *sample,
             }));
             at = receiver.parent;

@@ -1,59 +1,92 @@
-//! How the light of a sender varies over a receiver: as from a point while it is far, by its exact form factor where it
-//! is near.
+//! How the light of a sender varies over its receiver: as from a point while it is far, by exact form factors where it
+//! is near. Without visibility; only ratios of it are used.
 
-use crate::transport::link::Sender;
+use crate::geometry::Polygon;
+use crate::transport::link::{Receiver, Sender};
 use glam::Vec3;
-
-/// A place on a surface.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub(super) position: Vec3,
-    pub(super) normal: Vec3,
-}
-
-/// Which form a sender's kernel takes for a receiver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kernel {
-    /// cos θs / d², of clusters 1 / d².
-    Point,
-    /// Vector irradiance of the polygon.
-    Polygon,
-}
 
 /// A point stands for a sender while the radii of both ends together are this share of their distance.
 const POINT_LIKE: f32 = 0.5;
 
-impl Kernel {
-    /// Of `sender` over a receiver.
-    pub(super) fn new(sender: &Sender, centre: Vec3, radius: f32) -> Self {
-        let is_far = sender.radius + radius <= POINT_LIKE * centre.distance(sender.centre);
-        if is_far || sender.polygon.is_none() {
-            Self::Point
-        } else {
-            Self::Polygon
-        }
-    }
+/// Ends are close when their radii together are this share of their distance.
+const CLOSE: f32 = 0.6;
 
-    /// Vector towards the sender; its length is in proportion to the normal irradiance at a place.
-    pub(super) fn at(self, sender: &Sender, place: &Place) -> Vec3 {
-        match (self, &sender.polygon) {
-            (Self::Polygon, Some(polygon)) => {
-                polygon.vector_irradiance(place.position, Some(place.normal))
-            }
-            _ => {
-                let offset = sender.centre - place.position;
-                let squared = offset.length_squared();
-                if squared <= 0.0 {
-                    return Vec3::ZERO;
-                }
-                let direction = offset / squared.sqrt();
-                let cosine = if sender.polygon.is_some() {
-                    -sender.normal.dot(direction)
-                } else {
-                    1.0
-                };
-                direction * (cosine.max(0.0) / squared)
-            }
+/// One point of a receiver stands for all of it while its radius is this share of the distance.
+const SMALL: f32 = 0.15;
+
+/// Mean vector irradiance of a whole element from a sender with radiance (clusters: intensity) one. Its component
+/// along the receiver's normal is a mean over the receiver; its direction is that to the sender.
+pub(super) fn transfer(sender: &Sender, receiver: &Receiver) -> Vec3 {
+    let (Some(shape), Some(normal)) = (&receiver.polygon, receiver.normal) else {
+        return Vec3::ZERO;
+    };
+    let distance = receiver.centre.distance(sender.centre);
+    let is_small = receiver.radius < SMALL * distance;
+    let is_far = sender.radius + receiver.radius <= POINT_LIKE * distance;
+    let mean = |at: &dyn Fn(Vec3) -> Vec3| {
+        if is_small {
+            return at(receiver.centre);
         }
+        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+        over_receiver(shape, is_close(receiver, sender), |point| {
+            sum += at(point);
+            count += 1.0;
+        });
+        sum / count
+    };
+    match &sender.polygon {
+        None => mean(&|point| from_point(sender, point)),
+        Some(_) if is_far => mean(&|point| from_point(sender, point)),
+        Some(polygon) if is_reciprocal(receiver, sender) => {
+            let mut sum = Vec3::ZERO;
+            let mut count = 0.0;
+            polygon.quadrature(|point| {
+                let seen = shape.vector_irradiance(point, Some(sender.normal));
+                let cosine = -seen.dot(normal);
+                if cosine > 0.0 {
+                    sum -= seen * (seen.dot(sender.normal) / cosine);
+                }
+                count += 1.0;
+            });
+            sum * (sender.area / (shape.vector_area().length() * count))
+        }
+        Some(polygon) => mean(&|point| polygon.vector_irradiance(point, Some(normal))),
     }
+}
+
+/// True when ends are so close that what one of them sees differs much over it.
+pub(super) fn is_close(receiver: &Receiver, sender: &Sender) -> bool {
+    receiver.radius + sender.radius > CLOSE * receiver.centre.distance(sender.centre)
+}
+
+/// True when a small sender stands close to a large receiver: the sender's points see it whole, while its own points
+/// would miss the sender.
+pub(super) fn is_reciprocal(receiver: &Receiver, sender: &Sender) -> bool {
+    sender.radius < receiver.radius && is_close(receiver, sender)
+}
+
+/// Visits the points whose mean stands for a receiver: of close ones, those of its quarters.
+pub(super) fn over_receiver(shape: &Polygon, is_close: bool, mut visit: impl FnMut(Vec3)) {
+    if is_close {
+        for child in 0..4 {
+            shape.child(child).quadrature(&mut visit);
+        }
+    } else {
+        shape.quadrature(visit);
+    }
+}
+
+/// A cos θs / d² towards the sender; 1 / d² for clusters.
+fn from_point(sender: &Sender, point: Vec3) -> Vec3 {
+    let offset = sender.centre - point;
+    let squared = offset.length_squared();
+    if squared <= 0.0 {
+        return Vec3::ZERO;
+    }
+    let direction = offset / squared.sqrt();
+    let strength = match sender.polygon {
+        Some(_) => -sender.normal.dot(direction) * sender.area,
+        None => 1.0,
+    };
+    direction * (strength.max(0.0) / squared)
 }

@@ -94,6 +94,13 @@ impl Geometry<'_> {
         }
     }
 
+    /// True when a patch lies in a plane.
+    pub(super) fn is_in_plane(&self, patch: u32, origin: Vec3, normal: Vec3) -> bool {
+        let polygon = self.polygon(patch);
+        let mut corners = polygon.corners().iter();
+        corners.all(|&corner| (corner - origin).dot(normal).abs() <= COPLANAR)
+    }
+
     /// Vector irradiance [sr] of what `eye` sees of `target` past `candidates`; `None` when it falls into too many
     /// pieces.
     pub(super) fn visible(&self, eye: Vec3, target: &Target, candidates: &[u32]) -> Option<Vec3> {

@@ -1,9 +1,10 @@
 //! The illumination sample of a link as if nothing stood between its ends.
 
+use crate::geometry::Polygon;
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, Parallax};
-use crate::transport::kernel::{Kernel, Place};
+use crate::transport::kernel::{is_close, is_reciprocal, over_receiver, transfer};
 use crate::transport::link::{Receiver, Sender};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -13,6 +14,8 @@ const CLUSTER_LIKE: f32 = 0.9;
 /// The light of a polygon may be said to leave from one point of it while the radii of both ends together are this
 /// share of their distance.
 pub(super) const SHIFTED: f32 = 0.5;
+/// Two elements make a narrow gap when one rises above the other's plane by less than this share of its radius.
+const NARROW: f32 = 0.25;
 /// Cosines below this change too fast to be told from one sample.
 const GRAZING: f32 = 0.05;
 
@@ -29,15 +32,25 @@ pub(super) fn unoccluded_sample(
     sample(receiver, sender, exitant, None)?.sample
 }
 
-/// What a point sees of the sender: its visible vector irradiance [sr], `None` when that is too costly to know.
-pub(super) type View<'a> = &'a dyn Fn(Vec3) -> Option<Vec3>;
+/// What a point of one end sees of the other: its visible vector irradiance [sr], `None` when that is too costly to
+/// know.
+pub(super) type Eye<'a> = &'a dyn Fn(Vec3) -> Option<Vec3>;
+
+/// What the ends of a link see of each other.
+#[derive(Clone, Copy)]
+pub(super) struct View<'a> {
+    /// From points of the receiver.
+    pub(super) of_sender: Eye<'a>,
+    /// From points of the sender, unless another surface in the same place sends instead of it.
+    pub(super) of_receiver: Option<Eye<'a>>,
+}
 
 /// A sample of what is seen of a sender.
 pub(super) struct Seen {
     /// `None` when nothing arrives.
     pub(super) sample: Option<IlluminationSample>,
-    /// Smallest and largest share that a point of the receiver sees of it.
-    pub(super) share: (f32, f32),
+    /// By how much irradiance differs over the receiver because of what hides the sender [W·m⁻², mean over channels].
+    pub(super) contrast: f32,
 }
 
 impl Seen {
@@ -45,7 +58,7 @@ impl Seen {
     pub(super) fn all(sample: Option<IlluminationSample>) -> Self {
         Self {
             sample,
-            share: (1.0, 1.0),
+            contrast: 0.0,
         }
     }
 }
@@ -117,6 +130,7 @@ fn sample(
     let mut weight = 0.0;
     let mut points = 0;
     let mut share = (1.0f32, 0.0f32);
+    let mut strongest = 0.0f32;
     let mut is_known = true;
     let strength_of = |vector: Vec3| receiver.normal.map_or(vector.length(), |n| n.dot(vector));
     let mut from_point = |point: Vec3| {
@@ -128,11 +142,12 @@ fn sample(
         }
         let mut vector = whole;
         if let Some(view) = view {
-            let Some(visible) = view(point) else {
+            let Some(visible) = (view.of_sender)(point) else {
                 is_known = false;
                 return;
             };
             let part = strength_of(visible).clamp(0.0, strength);
+            strongest = strongest.max(strength * sent.mean());
             share = (share.0.min(part / strength), share.1.max(part / strength));
             (vector, strength) = (visible, part);
         }
@@ -140,27 +155,60 @@ fn sample(
         radiance += sent * strength;
         weight += strength;
     };
-    match &receiver.polygon {
-        None => from_point(receiver.centre),
-        Some(receiving) => {
-            // Far links see one distance; near ones are averaged by Gaussian quadrature, touching ones over quarters.
+    match (&receiver.polygon, &sender.polygon, receiver.normal) {
+        (None, ..) => from_point(receiver.centre),
+        (Some(receiving), Some(sending), Some(normal))
+            if is_reciprocal(receiver, sender)
+                && view.is_none_or(|view| view.of_receiver.is_some()) =>
+        {
+            // The mean over the receiver by what a smaller sender sees of it: A_s F_sr = A_r F_rs.
+            let per_area = sender.area / receiving.vector_area().length();
+            let sent = from_one_point(receiver.centre).1;
+            sending.quadrature(|point| {
+                points += 1;
+                let whole = receiving.vector_irradiance(point, Some(sender.normal));
+                let strength = whole.dot(sender.normal) * per_area;
+                if strength <= 0.0 {
+                    return;
+                }
+                let mut part = strength;
+                let mut direction = -whole;
+                if let Some(eye) = view.and_then(|view| view.of_receiver) {
+                    let Some(visible) = eye(point) else {
+                        is_known = false;
+                        return;
+                    };
+                    part = (visible.dot(sender.normal) * per_area).clamp(0.0, strength);
+                    direction = -visible;
+                    strongest = strongest.max(strength * sent.mean());
+                    // Half hidden from here: a shadow runs through the receiver.
+                    let seen = part / strength;
+                    share = (share.0.min(seen), share.1.max(2.0 * seen.min(1.0 - seen)));
+                }
+                let cosine = direction.dot(normal);
+                if part > 0.0 && cosine > 0.0 {
+                    sum += direction * (part / cosine);
+                    radiance += sent * part;
+                    weight += part;
+                }
+            });
+        }
+        (Some(receiving), ..) => {
+            // Far links see one distance, near ones are averaged.
             if sine < 0.1 && view.is_none() {
                 from_point(receiving.centre());
-            } else if sine < 0.6 {
-                receiving.quadrature(&mut from_point);
             } else {
-                for child in 0..4 {
-                    receiving.child(child).quadrature(&mut from_point);
-                }
+                over_receiver(receiving, is_close(receiver, sender), from_point);
             }
         }
     }
     if !is_known {
         return None;
     }
+    let contrast = strongest * (share.1 - share.0).max(0.0);
     let nothing = Some(Seen {
         sample: None,
-        share,
+        contrast,
     });
     if weight <= 0.0 {
         return nothing;
@@ -186,7 +234,7 @@ fn sample(
     sample.parallax = parallax(receiver, sender, &sample);
     Some(Seen {
         sample: Some(sample),
-        share,
+        contrast,
     })
 }
 
@@ -202,25 +250,38 @@ fn shift(sender: &Sender, from: Vec3, point: Vec3) -> Vec3 {
 
 /// How the sample changes over an element; `None` where nothing is known of that.
 fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -> Option<Parallax> {
-    let (shape, normal) = (receiver.polygon?, receiver.normal?);
+    let normal = receiver.normal?;
+    receiver.polygon?;
     let cosine = sample.direction.dot(normal);
-    let kernel = Kernel::new(sender, receiver.centre, receiver.radius);
-    if cosine < GRAZING
-        || sender.polygon.is_none()
-            && receiver.radius + sender.radius
-                > CLUSTER_LIKE * receiver.centre.distance(sender.centre)
-    {
+    let reach = receiver.radius + sender.radius;
+    let is_near_cluster =
+        sender.polygon.is_none() && reach > CLUSTER_LIKE * receiver.centre.distance(sender.centre);
+    if cosine < GRAZING || is_near_cluster {
         return None;
     }
-    let (mut sum, mut count) = (0.0, 0.0);
-    shape.quadrature(|position| {
-        let place = Place { position, normal };
-        sum += kernel.at(sender, &place).dot(normal).max(0.0);
-        count += 1.0;
-    });
-    let scale = cosine * count / sum;
-    (sum > 0.0 && scale.is_finite()).then_some(Parallax {
+    let mean = transfer(sender, receiver).dot(normal);
+    if mean <= 0.0 || is_close(receiver, sender) && is_gap(receiver, sender) {
+        return None;
+    }
+    Some(Parallax {
         sender: sender.id,
-        scale,
+        scale: cosine / mean,
     })
+}
+
+/// True when two elements face each other across a narrow gap: what they exchange is all in a few places, which the
+/// points of a link and their visibility may not stand for.
+fn is_gap(receiver: &Receiver, sender: &Sender) -> bool {
+    let (Some(receiving), Some(sending), Some(normal)) =
+        (&receiver.polygon, &sender.polygon, receiver.normal)
+    else {
+        return false;
+    };
+    let height = |polygon: &Polygon, origin: Vec3, normal: Vec3| {
+        let heights = polygon.corners().iter().map(|&c| (c - origin).dot(normal));
+        heights.fold(0.0, f32::max)
+    };
+    let smaller = receiver.radius.min(sender.radius);
+    height(sending, receiver.centre, normal) < NARROW * smaller
+        || height(receiving, sender.centre, sender.normal) < NARROW * smaller
 }
