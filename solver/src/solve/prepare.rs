@@ -2,12 +2,14 @@
 
 use crate::brdf::Lobe;
 use crate::config::Settings;
+use crate::geometry::Polygon;
 use crate::hierarchy::patch::{Patch, merge};
 use crate::hierarchy::reach::{Side, lit_sides};
 use crate::normalise::Normalised;
 use crate::radiometry::Rgb;
 use crate::scene::{Scene, Triangle};
 use crate::transport::propagate::Environment;
+use crate::transport::region::PatchTree;
 use crate::transport::visibility::{NO_PATCH, Occluder, Occluders};
 use glam::Vec3;
 use std::time::Instant;
@@ -20,6 +22,10 @@ pub struct Prepared {
     pub patches: Vec<Patch>,
     /// Which of their sides light can reach, and which emit.
     pub lit: Vec<[Side; 2]>,
+    /// All patches, for what may stand between two of them.
+    pub tree: PatchTree,
+    /// Shape of each patch.
+    pub shapes: Vec<Polygon>,
     /// All surfaces as occluders.
     pub occluders: Occluders,
     /// Clear triangles: corners, material.
@@ -76,10 +82,18 @@ impl Prepared {
             .iter()
             .map(|m| Lobe::of(m, settings.sharpest_roughness))
             .collect();
+        let shapes: Vec<Polygon> = patches
+            .iter()
+            .map(|patch| Polygon::new(&patch.corners(&frame.points)))
+            .collect();
+        let glass: Vec<[Vec3; 3]> = clear.iter().map(corners).collect();
+        let tree = PatchTree::new(&shapes, &glass);
         let diffuse = frame.materials.iter().map(|m| m.diffuse).collect();
         Self {
-            glass: clear.iter().map(corners).collect(),
+            glass,
             glass_material: clear.iter().map(|t| t.material).collect(),
+            tree,
+            shapes,
             frame,
             patches,
             lit,
@@ -94,6 +108,8 @@ impl Prepared {
     pub fn environment(&self) -> Environment<'_> {
         Environment {
             occluders: &self.occluders,
+            tree: &self.tree,
+            shapes: &self.shapes,
             lobes: &self.lobes,
             point_lights: &self.frame.point_lights,
             diffuse: &self.diffuse,

@@ -345,7 +345,9 @@ impl<'a> Shooting<'a> {
         solve.rays = self.links.rays;
         solve.phases_s.visibility =
             self.links.visibility.as_secs_f64() / rayon::current_num_threads() as f64;
-        solve.bytes.hierarchy = (self.hierarchy.bytes() + self.prepared.occluders.bytes()) as u64;
+        solve.bytes.hierarchy = (self.hierarchy.bytes()
+            + self.prepared.occluders.bytes()
+            + self.prepared.tree.bytes()) as u64;
         solve.bytes.illumination_samples = samples.bytes() as u64;
         solve.bytes.distributions = solve.bytes.distributions.max(total.bytes() as u64);
         for watts in [

@@ -82,9 +82,8 @@ impl Propagation<'_> {
     ) -> Option<Connection> {
         let (receiver, sender) = (link.receiver, link.sender);
         let geometry = Geometry {
-            occluders: self.environment.occluders,
-            patches: &link.hierarchy.patches,
-            points: &link.hierarchy.points,
+            tree: self.environment.tree,
+            shapes: self.environment.shapes,
         };
         let between = shaft::occluders(receiver, sender, &geometry, MOST_CANDIDATES)?;
         let clear = between.is_empty();

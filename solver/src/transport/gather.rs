@@ -15,11 +15,14 @@ use crate::transport::rays::Rays;
 use crate::transport::sample::unoccluded_sample;
 
 /// Links weaker than this share of the accuracy are weighed by one ray.
-const FAINT: f32 = 1.0 / 32.0;
+const FAINT: f32 = 1.0 / 8.0;
 
 /// A partly hidden sender may be this share of the accuracy off because its radiance is uneven: such errors have one
 /// sign and add up.
 const UNEVEN: f32 = 0.05;
+
+/// Clusters stand for what they hold up to this share of the accuracy: their visibility is one ray's.
+const CLUSTER: f32 = 0.25;
 
 /// What a gathering reads.
 pub struct Gather<'a> {
@@ -46,9 +49,8 @@ impl Gather<'_> {
         let mut stats = LinkStats::default();
         let mut occlusion = Occlusion {
             geometry: Geometry {
-                occluders: self.environment.occluders,
-                patches: &hierarchy.patches,
-                points: &hierarchy.points,
+                tree: self.environment.tree,
+                shapes: self.environment.shapes,
             },
             eye: receiver.centre,
             own: receiver.patch,
@@ -70,6 +72,7 @@ impl Gather<'_> {
                 continue;
             }
             let can_refine = sender.can_refine();
+            let mut candidates = candidates;
             if can_refine && !is_good(&bounds) {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))
@@ -80,7 +83,6 @@ impl Gather<'_> {
                 continue;
             };
             let strength = sample.irradiance.mean();
-            let mut candidates = candidates;
             if strength > FAINT * limit
                 && let Some(polygon) = &sender.polygon
                 && let Some(target) = Target::new(
@@ -91,7 +93,11 @@ impl Gather<'_> {
                     receiver.normal,
                 )
             {
-                candidates = occlusion.candidates(&target, candidates);
+                candidates = occlusion.candidates(
+                    &target.pyramid(receiver.normal),
+                    sender.patch,
+                    candidates,
+                );
                 if let Candidates::List(from, to) = candidates
                     && let Some(visible) = occlusion.visible(&target, from, to)
                 {
@@ -119,6 +125,12 @@ impl Gather<'_> {
                     }
                     continue;
                 }
+            }
+            if sender.polygon.is_none() && strength > CLUSTER * limit {
+                sender.parts(hierarchy, self.node_count, |part| {
+                    stack.push((part, candidates))
+                });
+                continue;
             }
             let strata = if strength > limit { self.strata } else { 1 };
             let rays = Rays {

@@ -1,12 +1,12 @@
 //! What a point sees of a polygon, exactly: the polygons that stand before it are cut out of it.
 //!
-//! Which may stand before it is found once per sender, in the pyramid from the point, and handed down to its parts:
+//! Which may stand before it is found once, in the pyramid from the point to a sender, and handed down to its parts:
 //! most pyramids hold nothing, and most others one or two patches. Where there are more, rays decide.
 
 use crate::geometry::{Cone, Polygon};
-use crate::hierarchy::patch::Patch;
 use crate::transport::link::COPLANAR;
-use crate::transport::visibility::Occluders;
+use crate::transport::pyramid::Pyramid;
+use crate::transport::region::PatchTree;
 use glam::Vec3;
 
 /// Candidates that are cut exactly.
@@ -68,6 +68,11 @@ impl Target {
         })
     }
 
+    /// Where something may stand before it.
+    pub(super) fn pyramid(&self, horizon: Option<Vec3>) -> Pyramid {
+        Pyramid::to_polygon(&self.cone, self.normal, self.offset, horizon)
+    }
+
     /// Vector irradiance of all of it [sr].
     pub(super) fn vector(&self) -> Vec3 {
         self.cone.vector_irradiance()
@@ -77,26 +82,15 @@ impl Target {
 /// Where occluders are found.
 #[derive(Clone, Copy)]
 pub(super) struct Geometry<'a> {
-    pub(super) occluders: &'a Occluders,
-    pub(super) patches: &'a [Patch],
-    pub(super) points: &'a [Vec3],
+    pub(super) tree: &'a PatchTree,
+    /// Shape of each patch.
+    pub(super) shapes: &'a [Polygon],
 }
 
 impl Geometry<'_> {
-    /// The shape of a patch.
-    pub(super) fn polygon(&self, patch: u32) -> Polygon {
-        let corners = self.patches[patch as usize].points;
-        let at = |i: usize| self.points[corners[i] as usize];
-        if corners[3] == crate::hierarchy::NONE {
-            Polygon::new(&[at(0), at(1), at(2)])
-        } else {
-            Polygon::new(&[at(0), at(1), at(2), at(3)])
-        }
-    }
-
     /// True when a patch lies in a plane.
     pub(super) fn is_in_plane(&self, patch: u32, origin: Vec3, normal: Vec3) -> bool {
-        let polygon = self.polygon(patch);
+        let polygon = &self.shapes[patch as usize];
         let mut corners = polygon.corners().iter();
         corners.all(|&corner| (corner - origin).dot(normal).abs() <= COPLANAR)
     }
@@ -124,14 +118,14 @@ impl Geometry<'_> {
 
     /// The part of `patch` that lies before `target`, and whether it shows its front to the point.
     fn occluder(&self, eye: Vec3, patch: u32, target: &Target) -> Option<(Cone, bool)> {
-        let polygon = self.polygon(patch);
+        let polygon = &self.shapes[patch as usize];
         let normal = polygon.vector_area().normalize_or_zero();
         let height = normal.dot(polygon.corners()[0] - eye);
         // Seen from its edge, or the surface that the point lies on under another name.
         if height.abs() <= COPLANAR {
             return None;
         }
-        let cone = Cone::new(&polygon, eye);
+        let cone = Cone::new(polygon, eye);
         let heights = || {
             cone.corners()
                 .iter()
@@ -159,55 +153,36 @@ pub(super) struct Occlusion<'a> {
 }
 
 impl Occlusion<'_> {
-    /// What may stand before `target`, from what may stand before a polygon that holds it.
-    pub(super) fn candidates(&mut self, target: &Target, of_parent: Candidates) -> Candidates {
-        let sides = || target.cone.sides(true);
-        let first = self.lists.len();
-        match of_parent {
-            Candidates::List(from, to) => {
-                for i in from..to {
-                    let patch = self.lists[i as usize];
-                    if self.reaches(patch, target) {
-                        self.lists.push(patch);
-                    }
+    /// What may stand in `pyramid`, but for its own patch and `target`, from what may stand in one that holds it.
+    pub(super) fn candidates(
+        &mut self,
+        pyramid: &Pyramid,
+        target: u32,
+        of_parent: Candidates,
+    ) -> Candidates {
+        let (first, eye, shapes) = (self.lists.len(), self.eye, self.geometry.shapes);
+        if let Candidates::List(from, to) = of_parent {
+            for i in from..to {
+                let patch = self.lists[i as usize];
+                if patch != target && !pyramid.misses(&shapes[patch as usize], eye) {
+                    self.lists.push(patch);
                 }
             }
-            Candidates::Unknown | Candidates::Many => {
-                // Slightly behind the target: what lies in its plane may be seen instead of it.
-                let mut planes = [(Vec3::ZERO, 0.0); 8];
-                let mut count = 0;
-                for side in sides().take(7) {
-                    planes[count] = (side, -COPLANAR);
-                    count += 1;
+        } else {
+            let (own, lists) = (self.own, &mut self.lists);
+            let visit = |patch: u32| {
+                if patch != own && patch != target && !pyramid.misses(&shapes[patch as usize], eye)
+                {
+                    lists.push(patch);
                 }
-                planes[count] = (target.normal, target.offset - COPLANAR);
-                let found =
-                    self.geometry
-                        .occluders
-                        .reaching(self.eye, &planes[..=count], |patch| {
-                            if patch == self.own
-                                || patch == target.patch
-                                || self.lists[first..].contains(&patch)
-                            {
-                                return true;
-                            }
-                            let corners = self.geometry.polygon(patch);
-                            if reaches(&corners, self.eye, target) {
-                                self.lists.push(patch);
-                            }
-                            self.lists.len() - first <= MOST_CANDIDATES
-                        });
-                if !found {
-                    self.lists.truncate(first);
-                    return Candidates::Many;
-                }
+                lists.len() - first <= MOST_CANDIDATES
+            };
+            if !self.geometry.tree.visit(&pyramid.region(eye), visit) {
+                self.lists.truncate(first);
+                return Candidates::Many;
             }
         }
         Candidates::List(first as u32, self.lists.len() as u32)
-    }
-
-    fn reaches(&self, patch: u32, target: &Target) -> bool {
-        reaches(&self.geometry.polygon(patch), self.eye, target)
     }
 
     /// [`Geometry::visible`] past the range `from..to` of the lists.
@@ -215,21 +190,6 @@ impl Occlusion<'_> {
         let candidates = &self.lists[from as usize..to as usize];
         self.geometry.visible(self.eye, target, candidates)
     }
-}
-
-/// False when a patch lies wholly outside one plane of the pyramid to `target`.
-fn reaches(polygon: &Polygon, eye: Vec3, target: &Target) -> bool {
-    let corners = polygon.corners();
-    if corners
-        .iter()
-        .all(|&c| (c - eye).dot(target.normal) < target.offset - COPLANAR)
-    {
-        return false;
-    }
-    !target
-        .cone
-        .sides(true)
-        .any(|side| corners.iter().all(|&c| (c - eye).dot(side) <= COPLANAR))
 }
 
 /// Appends the parts of `piece` outside `occluder` to `kept`; `None` when they are too many.

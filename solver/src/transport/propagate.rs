@@ -5,12 +5,14 @@
 //! Cost: a bound per link visited, rays per link accepted.
 
 use crate::brdf::Lobe;
+use crate::geometry::Polygon;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::connect::{Connection, Link};
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, SampleSets};
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
+use crate::transport::region::PatchTree;
 use crate::transport::visibility::Occluders;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -22,6 +24,10 @@ use std::time::Duration;
 pub struct Environment<'a> {
     /// All surfaces.
     pub occluders: &'a Occluders,
+    /// All patches, for what may stand in between.
+    pub tree: &'a PatchTree,
+    /// Shape of each patch.
+    pub shapes: &'a [Polygon],
     /// Glossy lobe per material.
     pub lobes: &'a [Option<Lobe>],
     /// Point lights: position, intensity.

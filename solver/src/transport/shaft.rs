@@ -3,6 +3,7 @@
 
 use crate::transport::link::{COPLANAR, Receiver, Sender};
 use crate::transport::occlusion::Geometry;
+use crate::transport::region::Region;
 use glam::Vec3;
 
 /// The convex hull of two boxes, as the box around both and up to eight planes.
@@ -77,48 +78,45 @@ pub(super) fn occluders(
         (receiver.lower, receiver.upper),
         (sender.lower, sender.upper),
     );
-    let mut planes = [(Vec3::ZERO, 0.0); 16];
+    let mut planes = [(Vec3::ZERO, 0.0); 10];
     let mut count = 0;
     let mut add = |normal: Vec3, offset: f32| {
         planes[count] = (normal, offset);
         count += 1;
     };
     for &(normal, offset) in &shaft.planes[..shaft.plane_count] {
-        add(-normal, -offset - COPLANAR);
-    }
-    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
-        add(axis, axis.dot(shaft.lower) - COPLANAR);
-        add(-axis, -axis.dot(shaft.upper) - COPLANAR);
+        add(-normal, -offset);
     }
     if let Some(normal) = receiver.normal {
         add(normal, normal.dot(receiver.centre));
     }
     if sender.polygon.is_some() {
-        add(sender.normal, sender.normal.dot(sender.centre) - COPLANAR);
+        add(
+            sender.normal,
+            sender.normal.dot(sender.centre) - 2.0 * COPLANAR,
+        );
     }
     let mut found = Vec::new();
-    let complete = geometry
-        .occluders
-        .reaching(Vec3::ZERO, &planes[..count], |patch| {
-            if patch == receiver.patch || patch == sender.patch || found.contains(&patch) {
-                return true;
-            }
-            let polygon = geometry.polygon(patch);
-            let corners = polygon.corners();
-            let outside = planes[..count]
-                .iter()
-                .any(|&(normal, offset)| corners.iter().all(|c| c.dot(normal) <= offset));
-            // In the receiver's plane.
-            let below = receiver.normal.is_some_and(|n| {
-                corners
-                    .iter()
-                    .all(|&c| (c - receiver.centre).dot(n) <= COPLANAR)
-            });
-            if !outside && !below {
-                found.push(patch);
-            }
-            found.len() <= most
-        });
+    let region = Region {
+        origin: Vec3::ZERO,
+        lower: shaft.lower,
+        upper: shaft.upper,
+        planes: &planes[..count],
+    };
+    let complete = geometry.tree.visit(&region, |patch| {
+        if patch == receiver.patch || patch == sender.patch {
+            return true;
+        }
+        let corners = geometry.shapes[patch as usize].corners();
+        let outside = region
+            .planes
+            .iter()
+            .any(|&(normal, offset)| corners.iter().all(|c| c.dot(normal) <= offset + COPLANAR));
+        if !outside {
+            found.push(patch);
+        }
+        found.len() <= most
+    });
     complete.then_some(found)
 }
 

@@ -6,7 +6,6 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ray::{Ray, RayHit};
 use std::time::Duration;
 
@@ -167,76 +166,10 @@ impl Occluders {
         if missed { passed } else { Rgb::BLACK }
     }
 
-    /// Visits the patches, each perhaps more than once, of the boxes that lie inside all `planes`, as far as planes
-    /// tell: normal·(p - eye) > offset. False when `visit` stopped it, or when there is glass among them.
-    pub(super) fn reaching(
-        &self,
-        eye: Vec3,
-        planes: &[(Vec3, f32)],
-        mut visit: impl FnMut(u32) -> bool,
-    ) -> bool {
-        let mut pending = [0u32; 256];
-        let mut count = 1;
-        if self.bvh.nodes.is_empty() {
-            return true;
-        }
-        while count > 0 {
-            count -= 1;
-            let node = &self.bvh.nodes[pending[count] as usize];
-            let inside = children_inside(node, eye, planes);
-            for child in 0..8 {
-                if inside >> child & 1 == 0 || node.is_child_empty(child) {
-                    continue;
-                }
-                if node.is_leaf(child) {
-                    let (first, length) = node.child_primitives(child);
-                    for face in &self.faces[first as usize..(first + length) as usize] {
-                        if face.tint != NO_PATCH || !visit(face.patch) {
-                            return false;
-                        }
-                    }
-                } else if count < pending.len() {
-                    pending[count] = node.child_node_index(child);
-                    count += 1;
-                } else {
-                    return false;
-                }
-            }
-        }
-        true
-    }
-
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.faces.len() * size_of::<Face>() + self.bvh.nodes.len() * 80
     }
-}
-
-/// Which children of a node have a corner inside each of `planes`, one bit a child.
-fn children_inside(node: &CwBvhNode, eye: Vec3, planes: &[(Vec3, f32)]) -> u32 {
-    let extent: Vec3 = node.compute_extent().into();
-    let origin: Vec3 = node.p - eye;
-    let mut inside = 0xff;
-    for &(normal, offset) in planes {
-        let scale = normal * extent;
-        let base = normal.dot(origin) - offset;
-        let pick = |low: &'_ [u8; 8], high: &'_ [u8; 8], slope: f32| {
-            let farthest = if slope > 0.0 { high } else { low };
-            farthest.map(|q| f32::from(q) * slope)
-        };
-        let x = pick(&node.child_min_x, &node.child_max_x, scale.x);
-        let y = pick(&node.child_min_y, &node.child_max_y, scale.y);
-        let z = pick(&node.child_min_z, &node.child_max_z, scale.z);
-        let mut mask = 0;
-        for child in 0..8 {
-            mask |= u32::from(base + x[child] + y[child] + z[child] > 0.0) << child;
-        }
-        inside &= mask;
-        if inside == 0 {
-            break;
-        }
-    }
-    inside
 }
 
 #[cfg(test)]
