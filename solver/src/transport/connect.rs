@@ -16,7 +16,7 @@ use std::time::Instant;
 const FAINT: f32 = 1.0 / 8.0;
 
 /// Irradiance may vary over a receiver because of what hides a sender by this many times what is accepted.
-const MIXED: f32 = 2.0;
+const MIXED: f32 = 0.05;
 
 /// Rays may differ on a link of this many times what is accepted.
 const MIXED_RAYS: f32 = 4.0;

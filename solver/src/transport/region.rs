@@ -98,14 +98,13 @@ impl PatchTree {
 fn children_inside(node: &CwBvhNode, region: &Region<'_>) -> u32 {
     let extent: Vec3 = node.compute_extent().into();
     let origin = node.p - region.origin;
-    // The box in steps of the node's grid, rounded outward.
+    // The box in steps of the node's grid, rounded outward: casts cut off towards zero and saturate.
     let slack = Vec3::splat(COPLANAR);
-    let low = ((region.lower - slack - origin) / extent).floor();
-    let high = ((region.upper + slack - origin) / extent).ceil();
-    if high.min_element() < 0.0 || low.max_element() > 255.0 {
+    let low = (region.lower - slack - origin) / extent;
+    let high = (region.upper + slack - origin) / extent + 1.0;
+    if high.min_element() < 0.0 || low.max_element() > 256.0 {
         return 0;
     }
-    // Saturating casts.
     let (low, high) = (
         low.to_array().map(|q| q as u8),
         high.to_array().map(|q| q as u8),
@@ -126,25 +125,25 @@ fn children_inside(node: &CwBvhNode, region: &Region<'_>) -> u32 {
         }
         let slope = normal * extent;
         let least = offset - COPLANAR - normal.dot(origin);
+        let x = if slope.x > 0.0 {
+            &node.child_max_x
+        } else {
+            &node.child_min_x
+        };
+        let y = if slope.y > 0.0 {
+            &node.child_max_y
+        } else {
+            &node.child_min_y
+        };
+        let z = if slope.z > 0.0 {
+            &node.child_max_z
+        } else {
+            &node.child_min_z
+        };
         let mut left = inside;
         while left != 0 {
             let child = left.trailing_zeros() as usize;
             left &= left - 1;
-            let x = if slope.x > 0.0 {
-                node.child_max_x
-            } else {
-                node.child_min_x
-            };
-            let y = if slope.y > 0.0 {
-                node.child_max_y
-            } else {
-                node.child_min_y
-            };
-            let z = if slope.z > 0.0 {
-                node.child_max_z
-            } else {
-                node.child_min_z
-            };
             let farthest = Vec3::new(
                 f32::from(x[child]),
                 f32::from(y[child]),

@@ -2,10 +2,11 @@
 
 use crate::camera::View;
 use glam::{DVec3, Vec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
-use obvhs::{
-    BvhBuildParams, cwbvh::CwBvh, cwbvh::builder::build_cwbvh_from_tris, triangle::Triangle,
-};
 use rayon::prelude::*;
 use sheen_formats::image::Image;
 use sheen_solver::{Rgb, Solution};
@@ -55,21 +56,21 @@ fn cross(corners: [DVec3; 3], direction: DVec3) -> Option<Crossing> {
 
 impl Surfaces {
     fn new(corners: Vec<[Vec3; 3]>) -> Self {
-        let triangles: Vec<Triangle> = corners
+        // The tree works in single precision: a ray through an edge must not miss the boxes of both its faces.
+        const SLACK: f32 = 8.0 * f32::EPSILON;
+        let boxes: Vec<Aabb> = corners
             .iter()
-            .map(|&[a, b, c]| Triangle {
-                v0: Vec3A::from(a),
-                v1: Vec3A::from(b),
-                v2: Vec3A::from(c),
+            .map(|corners: &[Vec3; 3]| {
+                let around = Aabb::from_points(&corners.map(Vec3A::from));
+                Aabb::new(around.min - SLACK, around.max + SLACK)
             })
             .collect();
-        let tree = (!triangles.is_empty()).then(|| {
-            build_cwbvh_from_tris(
-                &triangles,
-                BvhBuildParams::medium_build(),
-                &mut Duration::default(),
-            )
-        });
+        let params = BvhBuildParams {
+            pre_split: false,
+            ..BvhBuildParams::medium_build()
+        };
+        let tree =
+            (!boxes.is_empty()).then(|| build_cwbvh(&boxes, params, &mut Duration::default()));
         Self { corners, tree }
     }
 
