@@ -53,6 +53,9 @@ fn usage_errors_exit_with_2() {
         ],
         &["render", "a.sheen", "-o", "a.png", "--way", "magic"],
         &["render", "a.sheen", "-o", "a.png", "--size", "640"],
+        &["walk", "a.sheen", "--keys", "w:3"],
+        &["walk", "a.sheen", "--screenshot", "a.png", "--keys", "w3"],
+        &["walk", "a.sheen", "--screenshot", "a.png", "--frames", "0"],
         &["compare", "a.exr"],
     ] {
         let output = sheen(folder.path(), arguments);
