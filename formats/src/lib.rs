@@ -137,7 +137,7 @@ impl Places {
             },
             None => FormatError::Scene {
                 path: path.to_owned(),
-                source: error,
+                cause: error,
             },
         }
     }

@@ -105,6 +105,11 @@ fn bad_input_is_one_line_and_exits_with_1() {
             "{arguments:?}: {messages:?}"
         );
         assert!(output.stdout.is_empty());
+        let mut parts: Vec<&str> = messages[0].split(": ").collect();
+        let count = parts.len();
+        parts.sort_unstable();
+        parts.dedup();
+        assert_eq!(parts.len(), count, "said twice: {messages:?}");
     }
     // Nothing half-written, no probe of the output folder.
     let mut names: Vec<_> = std::fs::read_dir(folder.path())
