@@ -5,6 +5,7 @@ mod file;
 pub mod image;
 pub mod mgf;
 pub mod obj;
+mod polygon;
 pub mod sidecar;
 pub mod solution;
 
