@@ -4,16 +4,19 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// A file that could not be read or written. Its text is one line that names file, place and what was expected.
+///
+/// The text is whole: it holds that of the cause, made safe for a terminal. The cause is therefore a field and not the
+/// error's `source()`, or whoever prints the chain of sources would print it twice.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
     /// The operating system refused.
-    #[error("{path}: {reason}", path = shown(path), reason = one_line(source))]
+    #[error("{path}: {reason}", path = shown(path), reason = one_line(cause))]
     Io {
         /// File.
         path: PathBuf,
         /// Its reason.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// The content of a text file is wrong at a line.
     #[error("{path}:{line}: {text}", path = shown(path), text = one_line(message))]
@@ -34,12 +37,12 @@ pub enum FormatError {
         message: String,
     },
     /// The scene that the file describes is wrong.
-    #[error("{path}: {reason}", path = shown(path), reason = one_line(source))]
+    #[error("{path}: {reason}", path = shown(path), reason = one_line(cause))]
     Scene {
         /// File.
         path: PathBuf,
         /// What is wrong.
-        source: sheen_solver::SceneError,
+        cause: sheen_solver::SceneError,
     },
 }
 
@@ -62,9 +65,9 @@ impl FormatError {
 
 /// For `map_err` on what the operating system answers about `path`.
 pub(crate) fn io_error(path: &Path) -> impl Fn(std::io::Error) -> FormatError + '_ {
-    |source| FormatError::Io {
+    |cause| FormatError::Io {
         path: path.to_owned(),
-        source,
+        cause,
     }
 }
 
@@ -167,6 +170,34 @@ mod tests {
         );
         assert_eq!(suggestion("zzzzzz", ["eye", "up"]), "");
         assert_eq!(edit_distance("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn a_chain_of_sources_says_everything_once() {
+        let path = Path::new("room.obj");
+        let io = || std::io::Error::other("the disk is on fire");
+        let scene = sheen_solver::SceneError::NoSurface;
+        let errors = [
+            (io_error(path)(io()), io().to_string()),
+            (FormatError::content(path, "is torn"), "is torn".to_owned()),
+            (FormatError::line(path, 7, "is torn"), "is torn".to_owned()),
+            (
+                FormatError::Scene {
+                    path: path.to_owned(),
+                    cause: scene.clone(),
+                },
+                scene.to_string(),
+            ),
+        ];
+        for (error, reason) in errors {
+            let first: &dyn std::error::Error = &error;
+            let chain: Vec<String> = std::iter::successors(Some(first), |error| error.source())
+                .map(ToString::to_string)
+                .collect();
+            let text = chain.join(": ");
+            let times = |part: &str| text.matches(part).count();
+            assert_eq!((times("room.obj"), times(&reason)), (1, 1), "{text}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod file;
 pub mod image;
 pub mod mgf;
 pub mod obj;
+mod polygon;
 pub mod sidecar;
 pub mod solution;
 
@@ -137,7 +138,7 @@ impl Places {
             },
             None => FormatError::Scene {
                 path: path.to_owned(),
-                source: error,
+                cause: error,
             },
         }
     }

@@ -87,6 +87,14 @@ impl Desk {
                     errors[0]
                 );
             }
+            let parts: Vec<&str> = errors[0].split(": ").collect();
+            let distinct: BTreeSet<&str> = parts.iter().copied().collect();
+            assert_eq!(
+                parts.len(),
+                distinct.len(),
+                "row {case}: said twice: {}",
+                errors[0]
+            );
             // The line that is left is the only one but notes: no second line belongs to the error.
             let notes = stderr
                 .lines()

@@ -4,21 +4,18 @@ use crate::camera::{Motion, View, Walker};
 use crate::gpu::timing::FrameTimer;
 use crate::gpu::{Gpu, GpuError};
 use crate::panels::{self, Facts, FrameFigures, Settings};
+use crate::script::Script;
+use crate::steering;
 use crate::tonemap;
 use crate::ways::chunks::Limits;
 use crate::ways::solution::{DrawSettings, Overlay, SolutionRenderer, WindowTargets};
-use crate::window::{Screenshot, WindowError};
+use crate::window::WindowError;
 use eframe::egui_wgpu::RenderState;
-use egui::Key;
 use glam::Vec3;
 use sheen_solver::{Camera, Solution};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// Turn of the view by a held arrow key [rad/s].
-const TURN_RATE: f32 = 1.2;
-/// How much faster the eye moves with shift.
-const HURRY: f32 = 4.0;
 /// Turn of the eye about its target by a drag across the panel [rad].
 const ORBIT_DRAG: f32 = std::f32::consts::TAU;
 /// Dolly per point that the wheel scrolls.
@@ -29,8 +26,6 @@ const EXPOSURE_WIDTH: u32 = 160;
 const SMOOTHING: f64 = 0.1;
 /// A gap between frames that is no frame time: the window was idle [ms].
 const IDLE_MS: f64 = 1000.0;
-/// Longest step that keys move the eye by at once [s].
-const LONGEST_STEP_S: f32 = 0.25;
 
 /// What a closed window leaves behind.
 pub(crate) type Fault = Arc<Mutex<Option<WindowError>>>;
@@ -58,7 +53,7 @@ pub(crate) struct WalkApp {
     figures: FrameFigures,
     last_frame: Instant,
     frame_count: u32,
-    screenshot: Option<Screenshot>,
+    script: Option<Script>,
     fault: Fault,
 }
 
@@ -68,7 +63,7 @@ impl WalkApp {
         context: &eframe::CreationContext<'_>,
         solution: Arc<Solution>,
         camera: &Camera,
-        screenshot: Option<Screenshot>,
+        script: Option<Script>,
         fault: Fault,
     ) -> Result<Self, GpuError> {
         let state = context
@@ -110,7 +105,7 @@ impl WalkApp {
             state,
             gpu,
             renderer,
-            screenshot,
+            script,
             fault,
         };
         app.expose(camera.width, camera.height)?;
@@ -157,36 +152,9 @@ impl WalkApp {
             self.walker.dolly((-scroll * DOLLY_RATE).exp());
         }
         if !ui.ctx().egui_wants_keyboard_input() {
-            self.steer_by_keys(ui);
+            ui.input(|input| steering::by_keys(&mut self.walker, input));
         }
         before != self.walker.camera(1, 1)
-    }
-
-    fn steer_by_keys(&mut self, ui: &egui::Ui) {
-        let (seconds, hurry) =
-            ui.input(|input| (input.stable_dt.min(LONGEST_STEP_S), input.modifiers.shift));
-        let held = |forth: Key, back: Key| {
-            ui.input(|input| {
-                f32::from(i8::from(input.key_down(forth)) - i8::from(input.key_down(back)))
-            })
-        };
-        let step = self.walker.speed * seconds * if hurry { HURRY } else { 1.0 };
-        let (right, up, forward) = (
-            held(Key::D, Key::A),
-            held(Key::E, Key::Q),
-            held(Key::W, Key::S),
-        );
-        if (right, up, forward) != (0.0, 0.0, 0.0) {
-            self.walker.shift(right * step, up * step, forward * step);
-        }
-        let (right, up) = (
-            held(Key::ArrowRight, Key::ArrowLeft),
-            held(Key::ArrowUp, Key::ArrowDown),
-        );
-        if (right, up) != (0.0, 0.0) {
-            self.walker
-                .turn(right * seconds * TURN_RATE, up * seconds * TURN_RATE);
-        }
     }
 
     /// Targets of the panel's size, registered with egui.
@@ -263,7 +231,7 @@ impl WalkApp {
         }
     }
 
-    /// Closes the window after a fault or a screenshot.
+    /// Closes the window after a fault or at the end of the script.
     fn close_when_done(&mut self, context: &egui::Context) {
         if let Err(error) = self.gpu.check() {
             set_fault(&self.fault, error.into());
@@ -271,12 +239,16 @@ impl WalkApp {
         if self.fault.lock().is_ok_and(|slot| slot.is_some()) {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
-        let Some(plan) = &self.screenshot else { return };
+        let Some(script) = &self.script else { return };
         context.request_repaint();
-        if self.frame_count != plan.frames {
+        if self.frame_count != script.length() {
             return;
         }
-        let (path, fault, window) = (plan.path.clone(), Arc::clone(&self.fault), context.clone());
+        let (path, fault, window) = (
+            script.path.clone(),
+            Arc::clone(&self.fault),
+            context.clone(),
+        );
         context.request_screenshot(move |image| {
             let rgb: Vec<u8> = image
                 .pixels
@@ -297,6 +269,12 @@ fn smooth(old: Option<f64>, new: f64) -> f64 {
 }
 
 impl eframe::App for WalkApp {
+    fn raw_input_hook(&mut self, _: &egui::Context, input: &mut egui::RawInput) {
+        if let Some(script) = &self.script {
+            script.play(self.frame_count, input);
+        }
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let started = Instant::now();
         let interval_ms = (started - self.last_frame).as_secs_f64() * 1e3;

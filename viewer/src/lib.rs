@@ -9,6 +9,8 @@ pub mod compare;
 pub mod gpu;
 pub mod panels;
 pub mod passes;
+pub mod script;
+pub mod steering;
 pub mod tonemap;
 pub mod ways;
 pub mod window;

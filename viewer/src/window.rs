@@ -2,9 +2,9 @@
 
 use crate::app::{Fault, WalkApp};
 use crate::gpu::{GpuError, device_descriptor};
+use crate::script::Script;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use sheen_solver::{Camera, Solution};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -26,15 +26,6 @@ pub enum WindowError {
     Screenshot(#[from] sheen_formats::FormatError),
 }
 
-/// Saves what the window shows after some frames, and closes it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Screenshot {
-    /// PNG to write.
-    pub path: PathBuf,
-    /// Frames to draw before.
-    pub frames: u32,
-}
-
 static IS_OPENING: AtomicBool = AtomicBool::new(false);
 
 /// True while a window is being opened: a panic then means that there is none, and is no news.
@@ -48,12 +39,12 @@ fn has_display() -> bool {
     cfg!(not(all(unix, not(target_os = "macos")))) || is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")
 }
 
-/// Opens the window on `solution` at `camera`; returns when it is closed.
+/// Opens the window on `solution` at `camera`; returns when it is closed, by a person or at the end of `script`.
 pub fn run(
     title: &str,
     solution: Arc<Solution>,
     camera: &Camera,
-    screenshot: Option<Screenshot>,
+    script: Option<Script>,
 ) -> Result<(), WindowError> {
     if !has_display() {
         let reason = "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned();
@@ -79,7 +70,7 @@ pub fn run(
     let is_open = Arc::new(AtomicBool::new(false));
     let (app_fault, app_open, camera) = (Arc::clone(&fault), Arc::clone(&is_open), camera.clone());
     let create: eframe::AppCreator<'static> = Box::new(move |context| {
-        let app = WalkApp::new(context, solution, &camera, screenshot, app_fault)?;
+        let app = WalkApp::new(context, solution, &camera, script, app_fault)?;
         app_open.store(true, Ordering::Relaxed);
         IS_OPENING.store(false, Ordering::Relaxed);
         Ok(Box::new(app))

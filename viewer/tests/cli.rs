@@ -53,6 +53,9 @@ fn usage_errors_exit_with_2() {
         ],
         &["render", "a.sheen", "-o", "a.png", "--way", "magic"],
         &["render", "a.sheen", "-o", "a.png", "--size", "640"],
+        &["walk", "a.sheen", "--keys", "w:3"],
+        &["walk", "a.sheen", "--screenshot", "a.png", "--keys", "w3"],
+        &["walk", "a.sheen", "--screenshot", "a.png", "--frames", "0"],
         &["compare", "a.exr"],
     ] {
         let output = sheen(folder.path(), arguments);
@@ -102,6 +105,11 @@ fn bad_input_is_one_line_and_exits_with_1() {
             "{arguments:?}: {messages:?}"
         );
         assert!(output.stdout.is_empty());
+        let mut parts: Vec<&str> = messages[0].split(": ").collect();
+        let count = parts.len();
+        parts.sort_unstable();
+        parts.dedup();
+        assert_eq!(parts.len(), count, "said twice: {messages:?}");
     }
     // Nothing half-written, no probe of the output folder.
     let mut names: Vec<_> = std::fs::read_dir(folder.path())

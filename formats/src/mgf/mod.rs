@@ -19,14 +19,13 @@
 //! | `interpret` | entities executed: contexts, transforms, includes, limits |
 //! | `context`, `xf`, `colour`, `material` | one kind of state each |
 //! | `surface`, `stats` | surface entities to shapes in the world; exact figures |
-//! | `tessellate`, `polygon`, `revolve`, `round`, `mesh` | shapes to triangles |
+//! | `tessellate`, `revolve`, `round`, `mesh` | shapes to triangles |
 
 mod colour;
 mod context;
 mod interpret;
 mod material;
 mod mesh;
-mod polygon;
 mod revolve;
 mod round;
 mod source;

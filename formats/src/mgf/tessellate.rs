@@ -2,10 +2,10 @@
 
 use super::interpret::{Interpreter, Surface};
 use super::mesh::{Face, Mesh};
-use super::polygon::triangulate;
 use super::revolve::Bands;
 use super::round::{Torus, add_sphere, sphere_triangles};
 use super::surface::{Corner, Shape, vector_area};
+use crate::polygon;
 use glam::DVec3;
 use sheen_solver::scene::SceneParts;
 use std::f64::consts::PI;
@@ -135,7 +135,7 @@ pub(super) fn tessellate(
     for surface in crossed.iter().take(CROSSED_NAMED) {
         let place = surface.source.entity(surface.line).place();
         notes.push(format!(
-            "{place}: the polygon crosses itself: a part of it is missing"
+            "{place}: the polygon crosses itself: its triangles overlap, or some are missing"
         ));
     }
     if crossed.len() > CROSSED_NAMED {
@@ -154,7 +154,7 @@ pub(super) fn tessellate(
     Ok((parts, notes, stats))
 }
 
-/// False when a part of the polygon could not be split.
+/// False when the polygon crosses itself.
 fn add_polygon(mesh: &mut Mesh, face: Face, loops: &[Vec<Corner>]) -> bool {
     let Some(front) = loops
         .first()
@@ -167,14 +167,14 @@ fn add_polygon(mesh: &mut Mesh, face: Face, loops: &[Vec<Corner>]) -> bool {
         .map(|corners| corners.iter().map(|corner| corner.position).collect())
         .collect();
     let corners: Vec<&Corner> = loops.iter().flatten().collect();
-    let split = triangulate(&positions, front);
+    let split = polygon::with_holes(&positions, front);
     for triangle in split.triangles {
-        let [a, b, c] = triangle.map(|index| corners[index]);
+        let [a, b, c] = triangle.map(|index| corners[index as usize]);
         let normals = match (a.normal, b.normal, c.normal) {
             (Some(a), Some(b), Some(c)) => Some([a, b, c]),
             _ => None,
         };
         mesh.triangle(face, [a.position, b.position, c.position], normals);
     }
-    split.complete
+    !split.crossing
 }

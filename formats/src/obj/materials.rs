@@ -31,10 +31,10 @@ pub(super) fn read(path: &Path, scan: &Scan, lenient: bool) -> Result<Libraries,
             Ok(()) => {}
             Err(FormatError::Io {
                 path: library,
-                source,
+                cause,
             }) => {
                 let message = format!(
-                    "material library {}: {source}",
+                    "material library {}: {cause}",
                     quote(&library.display().to_string())
                 );
                 if !lenient {

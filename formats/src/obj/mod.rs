@@ -7,11 +7,11 @@
 //! and surfaces, smoothing groups, colours at vertices.
 
 mod materials;
-mod polygon;
 mod scan;
 
 use crate::error::FormatError;
 use crate::file;
+use crate::polygon;
 use glam::Vec3;
 use sheen_solver::{Material, Rgb, SceneParts, Triangle};
 use std::collections::{BTreeMap, HashMap};
@@ -87,7 +87,7 @@ pub fn read(path: &Path, lenient: bool) -> Result<ObjScene, FormatError> {
     }
     if builder.crossing > 0 {
         notes.push(format!(
-            "{} polygons cross themselves: their triangles may overlap",
+            "{} polygons cross themselves: their triangles overlap, or some are missing",
             builder.crossing
         ));
     }
@@ -217,7 +217,7 @@ impl Builder<'_> {
                 |corner: u32| normals[mesh.normal_indices[range.start + corner as usize] as usize];
             corners.clear();
             corners.extend((0..count).map(|corner| parts.points[point(corner) as usize]));
-            let triangulation = polygon::triangulate(&corners);
+            let triangulation = polygon::outline(&corners);
             if triangulation.crossing {
                 if !self.lenient {
                     let message =

@@ -2,7 +2,8 @@
 
 use super::{input, note};
 use crate::camera::View;
-use crate::window::{self, Screenshot, WindowError};
+use crate::script::{HeldKey, Script};
+use crate::window::{self, WindowError};
 use crate::{tonemap, ways};
 use anyhow::Context;
 use sheen_solver::{Camera, Solution};
@@ -19,9 +20,24 @@ pub(super) struct Args {
     /// Save what the window shows after some frames, and close it (for tests)
     #[arg(long, hide = true, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
-    /// Frames before the screenshot
-    #[arg(long, hide = true, default_value_t = 5, requires = "screenshot")]
+    /// Frames before the screenshot, after the keys
+    #[arg(
+        long,
+        hide = true,
+        default_value_t = 5,
+        value_parser = clap::value_parser!(u32).range(1..),
+        requires = "screenshot"
+    )]
     frames: u32,
+    /// Keys to hold one after the other, each for some frames of 1/60 s
+    #[arg(
+        long,
+        hide = true,
+        value_delimiter = ',',
+        value_name = "KEY:FRAMES,...",
+        requires = "screenshot"
+    )]
+    keys: Vec<HeldKey>,
     #[command(flatten)]
     solve: input::SolveArgs,
 }
@@ -36,11 +52,12 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         || "sheen".into(),
         |stem| stem.to_string_lossy().into_owned(),
     );
-    let screenshot = args.screenshot.clone().map(|path| Screenshot {
-        path,
+    let script = args.screenshot.clone().map(|path| Script {
+        keys: args.keys.clone(),
         frames: args.frames,
+        path,
     });
-    match window::run(&title, Arc::clone(&solution), &camera, screenshot) {
+    match window::run(&title, Arc::clone(&solution), &camera, script) {
         Ok(()) => Ok(()),
         Err(WindowError::NoWindow { reason }) => {
             let path = PathBuf::from(format!("{title}.png"));
