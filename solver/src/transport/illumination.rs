@@ -2,7 +2,7 @@
 
 use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
-use crate::transport::kernel::transfer;
+use crate::transport::kernel::{Kernel, transfer};
 use crate::transport::link::{Receiver, Sender, SenderId};
 use glam::Vec3;
 
@@ -25,6 +25,8 @@ pub struct IlluminationSample {
 pub struct Parallax {
     /// The sender.
     pub sender: SenderId,
+    /// How its light varies.
+    pub kernel: Kernel,
     /// What the link found over what [`transfer`] gives the whole receiver: the mean stays what it is.
     pub scale: f32,
 }
@@ -61,7 +63,7 @@ fn moved(
         return *sample;
     };
     let sender = Sender::new(hierarchy, parallax.sender);
-    let vector = transfer(&sender, here) * parallax.scale;
+    let vector = transfer(&sender, here, parallax.kernel) * parallax.scale;
     let irradiance = vector.dot(normal);
     let mut moved = IlluminationSample {
         parallax: None,

@@ -6,23 +6,43 @@ use crate::transport::link::{Receiver, Sender};
 use glam::Vec3;
 
 /// A point stands for a sender while the radii of both ends together are this share of their distance.
-const POINT_LIKE: f32 = 0.5;
+const POINT_LIKE: f32 = 0.4;
 
 /// Ends are close when their radii together are this share of their distance.
 const CLOSE: f32 = 0.6;
 
 /// One point of a receiver stands for all of it while its radius is this share of the distance.
-const SMALL: f32 = 0.15;
+const SMALL: f32 = 0.06;
+
+/// Which form the transfer takes: one for a receiver and all its parts, or their sum would not be that of the whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kernel {
+    /// The sender is a point.
+    Point,
+    /// Exact form factors.
+    Polygon,
+}
+
+impl Kernel {
+    /// Of a link.
+    pub(super) fn of(sender: &Sender, receiver: &Receiver) -> Self {
+        let distance = receiver.centre.distance(sender.centre);
+        if sender.polygon.is_none() || sender.radius + receiver.radius <= POINT_LIKE * distance {
+            Self::Point
+        } else {
+            Self::Polygon
+        }
+    }
+}
 
 /// Mean vector irradiance of a whole element from a sender with radiance (clusters: intensity) one. Its component
 /// along the receiver's normal is a mean over the receiver; its direction is that to the sender.
-pub(super) fn transfer(sender: &Sender, receiver: &Receiver) -> Vec3 {
+pub(super) fn transfer(sender: &Sender, receiver: &Receiver, kernel: Kernel) -> Vec3 {
     let (Some(shape), Some(normal)) = (&receiver.polygon, receiver.normal) else {
         return Vec3::ZERO;
     };
     let distance = receiver.centre.distance(sender.centre);
     let is_small = receiver.radius < SMALL * distance;
-    let is_far = sender.radius + receiver.radius <= POINT_LIKE * distance;
     let mean = |at: &dyn Fn(Vec3) -> Vec3| {
         if is_small {
             return at(receiver.centre);
@@ -36,7 +56,7 @@ pub(super) fn transfer(sender: &Sender, receiver: &Receiver) -> Vec3 {
     };
     match &sender.polygon {
         None => mean(&|point| from_point(sender, point)),
-        Some(_) if is_far => mean(&|point| from_point(sender, point)),
+        Some(_) if kernel == Kernel::Point => mean(&|point| from_point(sender, point)),
         Some(polygon) if is_reciprocal(receiver, sender) => {
             let mut sum = Vec3::ZERO;
             let mut count = 0.0;

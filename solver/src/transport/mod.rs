@@ -4,7 +4,7 @@ mod connect;
 pub mod exitant;
 pub mod gather;
 pub mod illumination;
-mod kernel;
+pub mod kernel;
 pub mod link;
 mod occlusion;
 mod point_light;

@@ -4,7 +4,7 @@ use crate::geometry::Polygon;
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, Parallax};
-use crate::transport::kernel::{is_close, is_reciprocal, over_receiver, transfer};
+use crate::transport::kernel::{Kernel, is_close, is_reciprocal, over_receiver, transfer};
 use crate::transport::link::{Receiver, Sender};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -259,12 +259,14 @@ fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -
     if cosine < GRAZING || is_near_cluster {
         return None;
     }
-    let mean = transfer(sender, receiver).dot(normal);
+    let kernel = Kernel::of(sender, receiver);
+    let mean = transfer(sender, receiver, kernel).dot(normal);
     if mean <= 0.0 || is_close(receiver, sender) && is_gap(receiver, sender) {
         return None;
     }
     Some(Parallax {
         sender: sender.id,
+        kernel,
         scale: cosine / mean,
     })
 }
