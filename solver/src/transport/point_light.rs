@@ -5,7 +5,7 @@ use crate::radiometry::Rgb;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::{Receiver, SenderId};
 use crate::transport::propagate::{Outcome, POINT_LIGHTS, Propagation};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 impl Propagation<'_> {
     /// The link from a point light: E⊥ = I/d², split while distance or visibility vary over the receiver.
@@ -37,7 +37,8 @@ impl Propagation<'_> {
             return;
         }
         let side = self.accuracy.strata;
-        let (mut sum, mut least, mut most) = (Rgb::BLACK, f32::INFINITY, 0.0f32);
+        let (mut sum, mut vector) = (Rgb::BLACK, Vec3::ZERO);
+        let (mut least, mut most) = (f32::INFINITY, 0.0f32);
         for ray in 0..side * side {
             let (x, y) = ((ray % side) as f32 + 0.5, (ray / side) as f32 + 0.5);
             let from = match &receiver.polygon {
@@ -48,23 +49,33 @@ impl Propagation<'_> {
                 self.environment
                     .occluders
                     .transmittance(from, position, [receiver.patch, NONE]);
-            sum += passed;
+            outcome.stats.rays += 1;
             least = least.min(passed.mean());
             most = most.max(passed.mean());
-            outcome.stats.rays += 1;
+            // Distance and cosine differ over the receiver: their mean is what it gets.
+            let towards = position - from;
+            let squared = towards.length_squared();
+            let direction = towards / squared.sqrt();
+            let cosine = receiver.normal.map_or(1.0, |n| n.dot(direction));
+            if squared > 0.0 && cosine > 0.0 {
+                sum += passed * (cosine / squared);
+                vector += direction * (passed.mean() / squared);
+            }
         }
         if most > least && can_split && high > limit {
             return outcome.refined.push(link);
         }
         outcome.stats.links += 1;
-        let irradiance = intensity * sum / (side * side) as f32 / (distance * distance);
-        if !irradiance.is_black() {
-            outcome.samples.push(IlluminationSample {
-                direction: offset / distance,
-                irradiance,
-                spread: 0.0,
-                parallax: None,
-            });
+        let direction = vector.normalize_or_zero();
+        let cosine = receiver.normal.map_or(1.0, |n| n.dot(direction));
+        if sum.is_black() || cosine <= 0.0 {
+            return;
         }
+        outcome.samples.push(IlluminationSample {
+            direction,
+            irradiance: intensity * sum / ((side * side) as f32 * cosine),
+            spread: 0.0,
+            parallax: None,
+        });
     }
 }

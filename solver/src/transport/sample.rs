@@ -92,11 +92,12 @@ fn sample(
             value
         }
     };
+    let directional = exitant.distribution[node].is_some();
     // More light leaves from one side of it: to first order, it leaves from elsewhere.
-    let is_uneven = sender.id.is_whole()
+    let is_uneven = !directional
+        && sender.id.is_whole()
         && exitant.centre[node] != sender.centre
         && sender.radius + receiver.radius < SHIFTED * distance;
-    let directional = exitant.distribution[node].is_some();
     // Unit radiance (intensity, of clusters) as a vector that points towards the sender, and what is sent.
     let from_one_point = |point: Vec3| -> (Vec3, Rgb) {
         let Some(polygon) = &sender.polygon else {
@@ -158,7 +159,8 @@ fn sample(
     match (&receiver.polygon, &sender.polygon, receiver.normal) {
         (None, ..) => from_point(receiver.centre),
         (Some(receiving), Some(sending), Some(normal))
-            if is_reciprocal(receiver, sender)
+            if !directional
+                && is_reciprocal(receiver, sender)
                 && view.is_none_or(|view| view.of_receiver.is_some()) =>
         {
             // The mean over the receiver by what a smaller sender sees of it: A_s F_sr = A_r F_rs.
