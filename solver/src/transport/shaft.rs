@@ -11,7 +11,7 @@ use glam::Vec3;
 pub struct Shaft {
     lower: Vec3,
     upper: Vec3,
-    /// Outward normal and offset: outside when normal·p >= offset.
+    /// Outward unit normal and offset: outside when normal·p >= offset.
     planes: [(Vec3, f32); 8],
     plane_count: usize,
 }
@@ -52,9 +52,9 @@ impl Shaft {
                     if normal[axis1] * outward(s1) + normal[axis2] * outward(s2) < 0.0 {
                         normal = -normal;
                     }
-                    if normal == Vec3::ZERO {
+                    let Some(normal) = normal.try_normalize() else {
                         continue;
-                    }
+                    };
                     let offset = (normal[axis1] * a[s1][axis1] + normal[axis2] * a[s2][axis2])
                         .max(normal[axis1] * b[s1][axis1] + normal[axis2] * b[s2][axis2]);
                     shaft.planes[shaft.plane_count] = (normal, offset);
