@@ -111,7 +111,7 @@ impl Settings {
         let knob = |draft: f32, high: f32| draft * (high / draft).powf(q / 3.0);
         let step = |values: [u32; 4]| values[(q.round() as usize).min(3)];
         Self {
-            link_tolerance: knob(4e-4, 1e-5),
+            link_tolerance: knob(4e-4, 1.5e-5),
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),

@@ -8,12 +8,8 @@ use sheen_tests::shared::shared;
 use sheen_tests::{assert_close, images, scenes};
 use std::f64::consts::PI;
 
-/// What a furnace must show: 1 %. Means hold it; single vertices do not yet (see [`WORST_KNOWN`]).
+/// What a furnace must show, in every pixel.
 const FURNACE: f64 = 0.01;
-
-/// Known fault, not a goal: single vertices along edges and beside blocks are off by up to 7 % ("Known failures" in
-/// ARCHITECTURE.md). A guard against its growth; the goal is [`FURNACE`].
-const WORST_KNOWN: f64 = 0.08;
 
 /// Every surface emits 1 and reflects 0.5: radiance 1 / (1 - 0.5) everywhere.
 fn assert_two_everywhere(name: &str, scene: &Scene) {
@@ -59,7 +55,7 @@ fn assert_two_everywhere(name: &str, scene: &Scene) {
         println!("{name}: pixels of '{}' {low:.5}..{high:.5}", camera.name);
         for value in [low, high] {
             assert!(
-                (f64::from(value) / 2.0 - 1.0).abs() < WORST_KNOWN,
+                (f64::from(value) / 2.0 - 1.0).abs() < FURNACE,
                 "{name}: pixel {value}"
             );
         }
@@ -79,7 +75,7 @@ fn assert_two_everywhere(name: &str, scene: &Scene) {
     }
     for value in [low, high] {
         assert!(
-            (f64::from(value) / 2.0 - 1.0).abs() < WORST_KNOWN,
+            (f64::from(value) / 2.0 - 1.0).abs() < FURNACE,
             "{name}: vertex {value}"
         );
     }

@@ -100,7 +100,7 @@ impl<'a> Light<'a> {
         let emission = self.prepared.frame.materials[material as usize]
             .emission
             .mean();
-        0.13 * self.typical_irradiance + 0.5 * PI * emission
+        0.13 * self.typical_irradiance + 0.15 * PI * emission
     }
 
     /// Irradiance that the transport found at a leaf or, if it has been split since, at what it was part of.
