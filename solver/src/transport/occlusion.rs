@@ -217,3 +217,95 @@ fn subtract(piece: &Cone, occluder: &Cone, front: bool, kept: &mut Vec<Cone>) ->
     }
     Some(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::hash::unit;
+    use glam::Vec2;
+
+    /// The plain twin: many small parts of the target, each seen or not by what stands before its middle.
+    fn by_parts(target: &Polygon, normal: Vec3, occluders: &[Polygon]) -> Vec3 {
+        const SIDE: usize = 128;
+        let mut sum = Vec3::ZERO;
+        for i in 0..SIDE * SIDE {
+            let uv = Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
+            let point = target.point(uv);
+            let hidden = occluders.iter().any(|o| {
+                let normal = o.vector_area();
+                let t = normal.dot(o.corners()[0]) / normal.dot(point);
+                let at = point * t;
+                let corners = o.corners();
+                let inside = (0..corners.len()).all(|k| {
+                    let edge = corners[(k + 1) % corners.len()] - corners[k];
+                    edge.cross(at - corners[k]).dot(normal) >= 0.0
+                });
+                t > 0.0 && t < 1.0 && inside
+            });
+            if !hidden {
+                let squared = point.length_squared();
+                let cosine = -normal.dot(point) / squared.sqrt();
+                sum += point / squared.sqrt() * (cosine / squared);
+            }
+        }
+        sum * (target.vector_area().length() / (SIDE * SIDE) as f32)
+    }
+
+    #[test]
+    fn what_is_cut_out_is_what_is_hidden() {
+        let corner = |x: f32, y: f32| Vec3::new(x, y, 1.0);
+        // Front towards the eye at the origin.
+        let target = Polygon::new(&[
+            corner(-0.4, -0.4),
+            corner(-0.4, 0.4),
+            corner(0.4, 0.4),
+            corner(0.4, -0.4),
+        ]);
+        let mut partly = 0;
+        for case in 0..60 {
+            let count = 1 + case % 5;
+            // Some of them reach through the target's plane.
+            let mut shapes: Vec<Polygon> = (0..count)
+                .map(|i| {
+                    let u = |k: u32| unit(case * 16 + i, k) - 0.5;
+                    let at = Vec3::new(u(0), u(1), 0.6 + 0.7 * u(2));
+                    let side = |k: u32| Vec3::new(u(k), u(k + 1), u(k + 2)) * 0.6;
+                    let (a, b) = (side(3), side(6));
+                    if i % 2 == 0 {
+                        Polygon::new(&[at, at + a, at + b])
+                    } else {
+                        Polygon::new(&[at, at + a, at + a + b, at + b])
+                    }
+                })
+                .collect();
+            let expected = by_parts(&target, -Vec3::Z, &shapes);
+            let own = shapes.len() as u32;
+            shapes.push(target);
+            let tree = PatchTree::new(&shapes, &[]);
+            let geometry = Geometry {
+                tree: &tree,
+                shapes: &shapes,
+            };
+            let seen = Target::new(&target, -Vec3::Z, own, Vec3::ZERO, None).expect("in front");
+            let mut occlusion = Occlusion {
+                geometry,
+                eye: Vec3::ZERO,
+                own: u32::MAX,
+                lists: Vec::new(),
+            };
+            let found = occlusion.candidates(&seen.pyramid(None), own, Candidates::Unknown);
+            let Candidates::List(from, to) = found else {
+                panic!("case {case}: {found:?}");
+            };
+            let visible = occlusion.visible(&seen, from, to).expect("few pieces");
+            let whole = seen.vector().length();
+            // Parts along edges are wholly seen or wholly hidden: an error of their share of the target.
+            assert!(
+                (visible - expected).length() < 0.02 * whole,
+                "case {case}: {visible} against {expected}"
+            );
+            partly += u32::from(visible.length() > 0.05 * whole && visible.length() < 0.95 * whole);
+        }
+        assert!(partly > 20, "{partly} cases are partly hidden");
+    }
+}
