@@ -27,7 +27,7 @@ pub struct Parallax {
     pub sender: SenderId,
     /// How its light varies.
     pub kernel: Kernel,
-    /// What the link found over what [`transfer`] gives the whole receiver: the mean stays what it is.
+    /// What the link found over what `transfer` gives the whole receiver: the mean stays what it is.
     pub scale: f32,
 }
 
