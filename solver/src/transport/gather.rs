@@ -24,6 +24,9 @@ const UNEVEN: f32 = 0.05;
 /// Clusters stand for what they hold up to this share of the accuracy: their visibility is one ray's.
 const CLUSTER: f32 = 0.25;
 
+/// Links between elements up to this share of the accuracy are searched for occluders only where rays differ.
+const WEAK: f32 = 0.3;
+
 /// What a gathering reads.
 pub struct Gather<'a> {
     /// What does not change.
@@ -83,6 +86,26 @@ impl Gather<'_> {
                 continue;
             };
             let strength = sample.irradiance.mean();
+            let rays = Rays {
+                occluders: self.environment.occluders,
+                exitant: self.exitant,
+                hierarchy,
+                receiver_node: NONE,
+                receiver,
+                sender: &sender,
+            };
+            // A few rays that agree are enough for the weaker ones, and cheaper than a search.
+            if sender.polygon.is_some() && strength > FAINT * limit && strength <= WEAK * limit {
+                let (transmittance, mixed) = rays.strata(2, &mut stats);
+                if !mixed {
+                    stats.links += 1;
+                    if !transmittance.is_black() {
+                        sample.irradiance = sample.irradiance * transmittance;
+                        samples.push(sample);
+                    }
+                    continue;
+                }
+            }
             if strength > FAINT * limit
                 && let Some(polygon) = &sender.polygon
                 && let Some(target) = Target::new(
@@ -133,14 +156,6 @@ impl Gather<'_> {
                 continue;
             }
             let strata = if strength > limit { self.strata } else { 1 };
-            let rays = Rays {
-                occluders: self.environment.occluders,
-                exitant: self.exitant,
-                hierarchy,
-                receiver_node: NONE,
-                receiver,
-                sender: &sender,
-            };
             let (transmittance, mixed) = rays.strata(strata, &mut stats);
             if mixed && can_refine && strength > limit {
                 sender.parts(hierarchy, self.node_count, |part| {
