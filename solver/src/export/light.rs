@@ -145,7 +145,7 @@ impl<'a> Light<'a> {
         crate::transport::illumination::irradiance(&samples, normal)
     }
 
-    /// Gathers at every vertex of `mesh` that is not in `lit` yet.
+    /// Gathers at every vertex of `mesh` that is not in `lit` yet; a stopped solve leaves some out.
     pub(super) fn gather_missing(
         &self,
         hierarchy: &Hierarchy,
@@ -167,8 +167,9 @@ impl<'a> Light<'a> {
                 )
                 .collect();
             lit.extend(batch);
-            // A stopped solve still gets light at every vertex it has: they are few after a stop.
-            let _ = watch.report("light at vertices", done);
+            if watch.report("light at vertices", done).is_break() {
+                return;
+            }
         }
     }
 
@@ -236,7 +237,7 @@ impl<'a> Light<'a> {
         }
     }
 
-    /// Gives every vertex the mean of the leaves around it, weighted by area (§5.2).
+    /// Gives every vertex that is not in `lit` yet the mean of the leaves around it, weighted by area (§5.2).
     pub(super) fn average(&self, hierarchy: &Hierarchy, mesh: &Mesh, lit: &mut Vec<VertexLight>) {
         let mut around: Vec<Vec<NodeId>> = vec![Vec::new(); mesh.vertices.len()];
         for element in leaves(hierarchy) {
@@ -249,13 +250,14 @@ impl<'a> Light<'a> {
                 around.push(vertex.leaf);
             }
         }
-        *lit = around
+        let missing: Vec<VertexLight> = around[lit.len()..]
             .par_iter()
             .with_max_len(64)
             .map_init(Projector::default, |projector, around| {
                 self.mean_of(hierarchy, around, projector)
             })
             .collect();
+        lit.extend(missing);
     }
 
     fn mean_of(

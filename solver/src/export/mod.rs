@@ -45,9 +45,10 @@ pub(crate) fn export(
         refine::gather_and_split(&mut hierarchy, &mut mesh, &light, &mut lit, settings, watch);
     }
     mesh.triangulate(&hierarchy);
-    if gather {
+    if gather && !watch.is_stopped() {
         light.gather_missing(&hierarchy, &mesh, &mut lit, watch, 0.95);
-    } else {
+    }
+    if lit.len() < mesh.vertices.len() {
         light.average(&hierarchy, &mesh, &mut lit);
     }
     let mut stats = transported.stats.clone();
