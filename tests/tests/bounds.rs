@@ -15,7 +15,7 @@ use sheen_tests::shared::shared;
 
 /// Links that are looked at.
 const LINKS: usize = 10_000;
-/// The figure: this share of them must hold.
+/// This share of them must hold.
 const SHARE: f64 = 0.999;
 /// Sender parts of a link, about; each with a ray of its own.
 const PARTS: usize = 256;

@@ -10,7 +10,7 @@ use sheen_tests::scenes;
 use std::collections::HashSet;
 use std::ops::ControlFlow;
 
-/// The issue's figure: 5 % of all pairs of patches.
+/// At most 5 % of all pairs of patches.
 const SHARE: f64 = 0.05;
 
 #[test]
@@ -40,7 +40,7 @@ fn pairs_of_the_cafe_that_emitters_are_linked_with() {
         emitters.len(),
         share * 100.0
     );
-    // A harder thing than the issue asks: of the pairs whose sender emits.
+    // Harder than of all pairs: of the pairs whose sender emits.
     assert!(share < SHARE, "{share}");
     assert!(links.records.len() > 1000);
 }

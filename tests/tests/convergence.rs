@@ -8,7 +8,7 @@ use sheen_tests::scenes;
 use sheen_tests::shared::shared;
 use std::path::Path;
 
-/// Energy ratio at the default quality: the 3 %.
+/// Energy ratio at the default quality: 3 %.
 const ENERGY: f64 = 0.03;
 
 fn solved(shared: &Path, scene: &str, quality: Quality) -> Solution {
@@ -53,7 +53,6 @@ fn check(scene: &str, cameras: &[&str], relmse: f64, highest: Quality) {
             );
             sum += score.relmse;
             if quality == Quality::DEFAULT {
-                // Both figures are the issue's.
                 if score.relmse > relmse {
                     faults.push(format!(
                         "{camera}: relMSE {:.4}, at most {relmse}",

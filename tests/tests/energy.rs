@@ -11,10 +11,6 @@ use std::f64::consts::PI;
 /// Emitted power is absorbed, unshot or escaped to 0.5 %.
 const LEDGER: f64 = 0.005;
 
-/// Known fault, not a goal, that this guards against growing ("Known failures" in ARCHITECTURE.md): light between
-/// glossy surfaces close to each other gains a little.
-const KNOWN: [(&str, f64); 1] = [("room with a glossy floor", 0.008)];
-
 /// Escape rays may slip through an edge where two faces meet.
 const SLIPPED: f64 = 2e-3;
 
@@ -29,8 +25,7 @@ fn check(name: &str, scene: &Scene, faults: &mut Vec<String>) -> Solution {
     let known = s.absorbed_w + s.unshot_w + s.escaped_w;
     let error = known / s.emitted_w - 1.0;
     println!("{name}: ledger off by {:+.4} %", error * 100.0);
-    let known = KNOWN.iter().find(|k| k.0 == name).map(|k| k.1);
-    if error.abs() > known.unwrap_or(LEDGER) {
+    if error.abs() > LEDGER {
         faults.push(format!("{name}: {:+.4} %", error * 100.0));
     }
     // The iteration stopped because it was done.

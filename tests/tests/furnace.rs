@@ -105,7 +105,7 @@ fn mean_irradiance_of_a_closed_cube_is_exact() {
         assert_close("area [m²]", area, 96.0, 1e-4);
         // The ceiling emits 1 W/m² on a sixth of the area.
         let irradiance = (PI * radiance - 1.0 / 6.0) / reflectance;
-        // Whatever the mesh: Φ / (A (1 - ρ)). 1 %: the figure for energy and closure.
+        // Whatever the mesh: Φ / (A (1 - ρ)). 1 %, as for energy and closure.
         let expected = 1.0 / 6.0 / (1.0 - reflectance);
         assert_close(
             format!("mean irradiance, ρ {reflectance}"),

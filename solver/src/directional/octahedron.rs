@@ -98,6 +98,39 @@ pub fn solid_angle(corners: Corners) -> f64 {
     2.0 * volume.atan2(denominator)
 }
 
+/// Integral over a triangle of `level` of the function that [`barycentric`] interpolates between `values` at its
+/// corners; with a `horizon`, weighted with the cosine to it above, and zero below.
+///
+/// At a point p of the flat triangle with area A, whose plane lies h from the centre, dω = h |p|⁻³ dA.
+pub fn integral(corners: Corners, values: [f32; 3], horizon: Option<Vec3>, level: usize) -> f32 {
+    // Dunavant 1985: exact for polynomials of degree 5, and of degree 2 for small triangles. Weight, first corner's
+    // coordinate, the others'.
+    const FINE: [(f32, f32, f32); 2] = [
+        (0.132_394_15, 0.059_715_87, 0.470_142_06),
+        (0.125_939_18, 0.797_427, 0.101_286_51),
+    ];
+    const COARSE: [(f32, f32, f32); 1] = [(1.0 / 3.0, 2.0 / 3.0, 1.0 / 6.0)];
+    let [a, b, c] = corners;
+    let at = |weights: [f32; 3]| {
+        let p = a * weights[0] + b * weights[1] + c * weights[2];
+        let value = values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
+        let squared = p.length_squared();
+        match horizon {
+            Some(normal) => value * normal.dot(p).max(0.0) / (squared * squared),
+            None => value / (squared * squared.sqrt()),
+        }
+    };
+    let ring = |&(weight, one, other): &(f32, f32, f32)| {
+        weight * (at([one, other, other]) + at([other, one, other]) + at([other, other, one]))
+    };
+    let mean = if level < 2 {
+        0.225 * at([1.0 / 3.0; 3]) + FINE.iter().map(ring).sum::<f32>()
+    } else {
+        COARSE.iter().map(ring).sum::<f32>()
+    };
+    0.5 * a.dot(b.cross(c)).abs() * mean
+}
+
 /// Deepest level for which [`radius`] is tabulated.
 pub const MAX_LEVEL: usize = 9;
 
@@ -158,6 +191,36 @@ mod tests {
                 "level {level}: {}",
                 high / low
             );
+        }
+    }
+
+    #[test]
+    fn the_integral_is_that_of_many_small_parts() {
+        let normal = Vec3::new(0.3, 0.8, -0.5).normalize();
+        for level in 1..5 {
+            let (mut sphere, mut hemisphere) = (0.0, 0.0);
+            // By many small triangles of the same function.
+            let mut by_parts = 0.0f64;
+            for octant in 0..8 {
+                visit(octant_corners(octant), level, &mut |corners| {
+                    sphere += integral(corners, [1.0; 3], None, level);
+                    let values = corners.map(|c| 1.0 + c.x * c.y);
+                    hemisphere += integral(corners, values, Some(normal), level);
+                    visit(corners, 6 - level, &mut |part| {
+                        let middle = centre(part);
+                        let value = barycentric(corners, middle).dot(values.into());
+                        by_parts +=
+                            solid_angle(part) * f64::from(value * normal.dot(middle).max(0.0));
+                    });
+                });
+            }
+            let full = 4.0 * std::f32::consts::PI;
+            assert!(
+                (sphere / full - 1.0).abs() < 1e-2,
+                "level {level}: {sphere}"
+            );
+            let error = f64::from(hemisphere) / by_parts - 1.0;
+            assert!(error.abs() < 5e-3, "level {level}: {error}");
         }
     }
 

@@ -1,13 +1,14 @@
 //! Visibility rays of links: stratified on both ends, on surfaces of clusters too.
 
 use crate::geometry::hash;
-use crate::hierarchy::{Hierarchy, NodeId};
+use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::link::{Receiver, Sender};
 use crate::transport::propagate::LinkStats;
 use crate::transport::visibility::Occluders;
 use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
 
 /// Visibility rays of one link, stratified on both ends.
 pub(super) struct Rays<'a> {
@@ -15,7 +16,7 @@ pub(super) struct Rays<'a> {
     /// Its power chooses points on sending clusters.
     pub(super) exitant: &'a Exitant,
     pub(super) hierarchy: &'a Hierarchy,
-    /// [`NONE`](crate::hierarchy::NONE) for vertices.
+    /// [`NONE`] for vertices.
     pub(super) receiver_node: NodeId,
     pub(super) receiver: &'a Receiver,
     pub(super) sender: &'a Sender,
@@ -26,6 +27,8 @@ impl Rays<'_> {
     pub(super) fn strata(&self, side: u32, stats: &mut LinkStats) -> (Rgb, bool) {
         let seed = hash::mix(self.sender.id.node, self.receiver_node);
         let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+        // The same without the directions of the sender's radiance.
+        let (mut plain_sum, mut plain_weights) = (Rgb::BLACK, 0.0);
         let (mut least, mut most) = (f32::INFINITY, 0.0f32);
         let all = side * side;
         for ray in 0..all {
@@ -71,6 +74,14 @@ impl Rays<'_> {
                 * facing(from.normal, direction)
                 * facing(to.normal, -direction)
                 / squared;
+            plain_sum += passed * weight;
+            plain_weights += weight;
+            // The radiance on a link to a vertex is one.
+            let weight = if all > 1 && self.receiver_node != NONE {
+                weight * self.brightness(to.node, -direction)
+            } else {
+                weight
+            };
             sum += passed * weight;
             weights += weight;
             least = least.min(passed.mean());
@@ -79,9 +90,21 @@ impl Rays<'_> {
         // A cluster without a surface that faces the other end has nothing to see or to send from there.
         if weights > 0.0 {
             (sum / weights, most > least)
+        } else if plain_weights > 0.0 {
+            (plain_sum / plain_weights, most > least)
         } else {
             (Rgb::BLACK, false)
         }
+    }
+
+    /// Radiance of an element towards `direction` over its mean: light passes where it is sent to.
+    fn brightness(&self, id: NodeId, direction: Vec3) -> f32 {
+        let at = id as usize;
+        if self.exitant.distribution[at].is_none() || self.exitant.power[at] <= 0.0 {
+            return 1.0;
+        }
+        let mean = self.exitant.power[at] / (PI * self.hierarchy.node(id).area);
+        self.exitant.towards(id, direction).mean() / mean
     }
 
     fn sender_point(&self, uv: Vec2, seed: u32) -> Option<RayEnd> {
@@ -96,6 +119,7 @@ impl Rays<'_> {
             }
             return Some(RayEnd {
                 point: polygon.point(uv),
+                node: id,
                 patch: self.sender.patch,
                 cosine: 1.0,
                 normal: Some(self.sender.normal),
@@ -133,6 +157,7 @@ impl Rays<'_> {
         if self.receiver.radius == 0.0 {
             return Some(RayEnd {
                 point: self.receiver.centre,
+                node: NONE,
                 patch,
                 cosine: 1.0,
                 normal: self.receiver.normal,
@@ -141,6 +166,7 @@ impl Rays<'_> {
         if let Some(polygon) = &self.receiver.polygon {
             return Some(RayEnd {
                 point: polygon.point(uv),
+                node: self.receiver_node,
                 patch,
                 cosine: 1.0,
                 normal: self.receiver.normal,
@@ -187,6 +213,7 @@ impl Rays<'_> {
             let cosine = (seen_from - point).normalize_or_zero().dot(element.normal);
             (cosine > 0.0).then_some(RayEnd {
                 point,
+                node: id,
                 patch: element.patch,
                 cosine,
                 normal: None,
@@ -198,6 +225,8 @@ impl Rays<'_> {
 /// A point that a ray starts or ends at.
 struct RayEnd {
     point: Vec3,
+    /// The element that it lies on; [`NONE`] for vertices.
+    node: NodeId,
     /// Whose surface does not block.
     patch: u32,
     /// Normal of an element or a vertex.

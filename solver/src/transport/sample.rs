@@ -6,14 +6,20 @@ use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, Parallax};
 use crate::transport::kernel::{Kernel, is_close, is_reciprocal, over_receiver, transfer};
 use crate::transport::link::{Receiver, Sender};
-use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
 
 /// A point stands for a sending cluster while the radii of both ends together are this share of their distance.
 const CLUSTER_LIKE: f32 = 0.9;
 /// The light of a polygon may be said to leave from one point of it while the radii of both ends together are this
 /// share of their distance.
 pub(super) const SHIFTED: f32 = 0.5;
+/// Pairs of points that meet a lobe as wide as the cone of directions that it is integrated over.
+const PAIRS: f32 = 4.0;
+/// Not fewer where one does not do.
+const LEAST_PAIRS: u32 = 4;
+/// And not more.
+const MOST_PAIRS: u32 = 64;
 /// Two elements make a narrow gap when one rises above the other's plane by less than this share of its radius.
 const NARROW: f32 = 0.25;
 /// Cosines below this change too fast to be told from one sample.
@@ -98,17 +104,18 @@ fn sample(
         && sender.id.is_whole()
         && exitant.centre[node] != sender.centre
         && sender.radius + receiver.radius < SHIFTED * distance;
+    let directed = if directional && sender.polygon.is_some() {
+        mean_radiance(receiver, sender, exitant)
+    } else {
+        Rgb::BLACK
+    };
     // Unit radiance (intensity, of clusters) as a vector that points towards the sender, and what is sent.
     let from_one_point = |point: Vec3| -> (Vec3, Rgb) {
         let Some(polygon) = &sender.polygon else {
             let offset = exitant.centre[node] - point;
             let near = offset.length();
-            let solid_angle = TAU * (1.0 - (1.0 - sine * sine).max(0.0).sqrt());
             let intensity = exitant.towards(sender.id.node, -offset / near);
-            return (
-                offset / (near * near * near),
-                limited(intensity, exitant.power[node] / solid_angle),
-            );
+            return (offset / (near * near * near), intensity);
         };
         let mut vector = polygon.vector_irradiance(point, receiver.normal);
         if is_uneven {
@@ -117,18 +124,12 @@ fn sample(
         if !directional {
             return (vector, exitant.diffuse[node]);
         }
-        let towards = (point - sender.centre).normalize_or(sender.normal);
-        let cosine = towards.dot(sender.normal).max(sine);
-        let exitance = exitant.power[node] / sender.node_area;
-        let most = exitance / (PI * sine * sine * cosine);
-        (
-            vector,
-            limited(exitant.towards(sender.id.node, towards), most),
-        )
+        (vector, directed)
     };
     let mut sum = Vec3::ZERO;
     let mut radiance = Rgb::BLACK;
     let mut weight = 0.0;
+    let mut unoccluded = 0.0;
     let mut points = 0;
     let mut share = (1.0f32, 0.0f32);
     let mut strongest = 0.0f32;
@@ -141,6 +142,7 @@ fn sample(
         if strength <= 0.0 {
             return;
         }
+        unoccluded += strength;
         let mut vector = whole;
         if let Some(view) = view {
             let Some(visible) = (view.of_sender)(point) else {
@@ -218,7 +220,10 @@ fn sample(
     let vector = sum / points as f32;
     let normal_irradiance = vector.length();
     let direction = vector / normal_irradiance;
-    let irradiance = radiance / weight * normal_irradiance;
+    let irradiance = match most_sent(receiver, sender, exitant, unoccluded / points as f32) {
+        Some(most) => limited(radiance / weight, most),
+        None => radiance / weight,
+    } * normal_irradiance;
     let spread = match sender.polygon {
         Some(_) => (normal_irradiance / PI).sqrt(),
         // A cluster fills about half of the sphere around it.
@@ -238,6 +243,73 @@ fn sample(
         sample: Some(sample),
         contrast,
     })
+}
+
+/// Mean radiance of a directional element towards a receiver, over as many pairs of points of both as it takes to meet
+/// a lobe that is narrow against the cone of directions between them.
+fn mean_radiance(receiver: &Receiver, sender: &Sender, exitant: &Exitant) -> Rgb {
+    let id = sender.id.node;
+    let offset = receiver.centre - sender.centre;
+    let in_the_middle = || exitant.towards(id, offset.normalize_or(sender.normal));
+    // Links to vertices are refined until their radiance is one.
+    let (Some(sending), true) = (&sender.polygon, receiver.radius > 0.0) else {
+        return in_the_middle();
+    };
+    let reach = receiver.radius + sender.radius;
+    let cone = (reach * reach / offset.length_squared()).min(1.0);
+    let mean = exitant.power[id as usize] / (PI * sender.node_area);
+    let wanted = PAIRS * cone * exitant.peak[id as usize] / mean;
+    if wanted < 2.0 {
+        return in_the_middle();
+    }
+    let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+    for pair in 0..(wanted as u32).clamp(LEAST_PAIRS, MOST_PAIRS) {
+        // Multiples of the powers of an irrational number fill four dimensions evenly.
+        let along = |power: i32| {
+            let step = 1.167_303_978_261_418_7f64.powi(-power);
+            (0.5 + step * f64::from(pair)).fract() as f32
+        };
+        let from = sending.point(Vec2::new(along(1), along(2)));
+        let to = match &receiver.polygon {
+            Some(receiving) => receiving.point(Vec2::new(along(3), along(4))),
+            None => receiver.centre,
+        };
+        let offset = to - from;
+        let squared = offset.length_squared();
+        let cosines = offset.dot(sender.normal).max(0.0)
+            * receiver.normal.map_or(1.0, |n| -n.dot(offset)).max(0.0);
+        if cosines > 0.0 {
+            let weight = cosines / (squared * squared);
+            sum += exitant.towards(id, offset / squared.sqrt()) * weight;
+            weights += weight;
+        }
+    }
+    if weights > 0.0 {
+        sum / weights
+    } else {
+        in_the_middle()
+    }
+}
+
+/// The most radiance (intensity, of clusters) [mean over channels] that a sender can have on average towards the
+/// receiver, which it would light by `unoccluded` were its radiance (intensity) one: all of its power arrives. `None`
+/// where its radiance is the same everywhere.
+fn most_sent(
+    receiver: &Receiver,
+    sender: &Sender,
+    exitant: &Exitant,
+    unoccluded: f32,
+) -> Option<f32> {
+    let node = sender.id.node as usize;
+    exitant.distribution[node].as_ref()?;
+    let power = exitant.power[node] * (sender.area / sender.node_area);
+    let reach = receiver.radius + sender.radius;
+    let area = match &receiver.polygon {
+        Some(shape) => shape.vector_area().length(),
+        // A cluster's cross-section, and how much of a vertex' surroundings see a sender in much the same direction.
+        None => PI * reach * reach,
+    };
+    Some(power / (unoccluded * area))
 }
 
 /// What a far polygon adds to its vector irradiance [sr] when its light leaves around `from` instead of its middle.
