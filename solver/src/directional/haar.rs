@@ -437,8 +437,14 @@ mod tests {
 
     #[test]
     fn a_projection_carries_the_power_it_is_given() {
-        let normal = Vec3::new(0.4, -0.3, 0.8).normalize();
-        let lobe = Vec3::new(0.9, 0.2, 0.5).normalize();
+        carries_its_power(Vec3::new(0.4, -0.3, 0.8), Vec3::new(0.9, 0.2, 0.5));
+        // The horizon runs along the middles of cells; a grazing lobe.
+        carries_its_power(Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 1.0, 2.0));
+        carries_its_power(Vec3::new(0.0, 0.0, 1.0), Vec3::new(1.0, 0.3, 0.2));
+    }
+
+    fn carries_its_power(normal: Vec3, lobe: Vec3) {
+        let (normal, lobe) = (normal.normalize(), lobe.normalize());
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         let power = |radiance: &dyn Fn(Vec3) -> f32| {
             let count = 100_000u32;
@@ -468,7 +474,10 @@ mod tests {
             let mut words = Vec::new();
             Projector::default().project(&mut Plain(f), &how, &mut words);
             let error = power(&|d| packed::evaluate(&words, d).g) / wanted - 1.0;
-            assert!(error.abs() < 5e-3, "{min_level} {epsilon}: {error}");
+            assert!(
+                error.abs() < 5e-3,
+                "{normal} {min_level} {epsilon}: {error}"
+            );
         }
     }
 

@@ -170,10 +170,10 @@ impl Propagation<'_> {
             sender: link.sender,
         };
         let strata = if strong { self.accuracy.strata } else { 2 };
-        let (mut transmittance, mut mixed) = rays.strata(strata, stats);
+        let (mut transmittance, mixed) = rays.strata(strata, stats);
         let reach = link.receiver.radius + link.sender.radius;
         if mixed && reach > SHIFTED * link.bounds.distance {
-            (transmittance, mixed) = rays.strata(strata + NEAR_STRATA, stats);
+            transmittance = rays.strata(strata + NEAR_STRATA, stats).0;
         }
         if mixed && link.bounds.high > MIXED_RAYS * link.limit && self.is_refinable(link) {
             return Connection::Mixed;

@@ -51,7 +51,8 @@ impl Rays<'_> {
             let Some(to) = self.sender_point(at(ray, 10), seed_of(0)) else {
                 continue;
             };
-            let uv = at((ray * 7 + 3) % all, 20);
+            let transposed = (ray % side) * side + ray / side;
+            let uv = at((transposed + all / 2) % all, 20);
             let Some(from) = self.receiver_point(uv, seed_of(0x5555), to.point) else {
                 continue;
             };

@@ -7,7 +7,7 @@ use crate::transport::illumination::{IlluminationSample, Parallax};
 use crate::transport::kernel::{Kernel, is_close, is_reciprocal, over_receiver, transfer};
 use crate::transport::link::{Receiver, Sender};
 use glam::{Vec2, Vec3};
-use std::f32::consts::PI;
+use std::f32::consts::{PI, TAU};
 
 /// A point stands for a sending cluster while the radii of both ends together are this share of their distance.
 const CLUSTER_LIKE: f32 = 0.9;
@@ -16,10 +16,12 @@ const CLUSTER_LIKE: f32 = 0.9;
 pub(super) const SHIFTED: f32 = 0.5;
 /// Pairs of points that meet a lobe as wide as the cone of directions that it is integrated over.
 const PAIRS: f32 = 4.0;
-/// Not fewer where one does not do.
-const LEAST_PAIRS: u32 = 4;
+/// Points of a sender that one point of a receiver looks at.
+const MOST_PARTS: u32 = 4;
+/// Points of a cluster, where one does not do.
+const LEAST_POINTS: u32 = 4;
 /// And not more.
-const MOST_PAIRS: u32 = 64;
+const MOST_POINTS: u32 = 16;
 /// Two elements make a narrow gap when one rises above the other's plane by less than this share of its radius.
 const NARROW: f32 = 0.25;
 /// Cosines below this change too fast to be told from one sample.
@@ -28,8 +30,8 @@ const GRAZING: f32 = 0.05;
 /// The sample of a link as if nothing stood between.
 ///
 /// Elements send by their exact form factor to a few points of the receiver; clusters by intensity over distance
-/// squared. The radiance of the one direction between the centres stands for the whole cone of directions, but no
-/// cone can carry more than the sender's whole power: a sharp lobe does not fill the view of a close receiver.
+/// squared. Where radiance has directions, its mean over pairs of points of both ends stands for the whole cone, and no
+/// more than the sender's whole power arrives.
 pub(super) fn unoccluded_sample(
     receiver: &Receiver,
     sender: &Sender,
@@ -245,8 +247,8 @@ fn sample(
     })
 }
 
-/// Mean radiance of a directional element towards a receiver, over as many pairs of points of both as it takes to meet
-/// a lobe that is narrow against the cone of directions between them.
+/// Mean radiance of a directional element towards a receiver, weighted as its light arrives, over as many pairs of
+/// points of both as it takes to meet a lobe that is narrow against the cone of directions between them.
 fn mean_radiance(receiver: &Receiver, sender: &Sender, exitant: &Exitant) -> Rgb {
     let id = sender.id.node;
     let offset = receiver.centre - sender.centre;
@@ -255,31 +257,64 @@ fn mean_radiance(receiver: &Receiver, sender: &Sender, exitant: &Exitant) -> Rgb
     let (Some(sending), true) = (&sender.polygon, receiver.radius > 0.0) else {
         return in_the_middle();
     };
-    let reach = receiver.radius + sender.radius;
-    let cone = (reach * reach / offset.length_squared()).min(1.0);
     let mean = exitant.power[id as usize] / (PI * sender.node_area);
-    let wanted = PAIRS * cone * exitant.peak[id as usize] / mean;
-    if wanted < 2.0 {
+    let sharpness = exitant.peak[id as usize] / mean;
+    let wanted = |reach: f32, squared: f32| PAIRS * sharpness * (reach * reach / squared).min(1.0);
+    let pairs = wanted(receiver.radius + sender.radius, offset.length_squared());
+    if pairs < 2.0 && offset.dot(sender.normal) > 0.0 {
         return in_the_middle();
     }
     let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
-    for pair in 0..(wanted as u32).clamp(LEAST_PAIRS, MOST_PAIRS) {
-        // Multiples of the powers of an irrational number fill four dimensions evenly.
-        let along = |power: i32| {
-            let step = 1.167_303_978_261_418_7f64.powi(-power);
-            (0.5 + step * f64::from(pair)).fract() as f32
-        };
-        let from = sending.point(Vec2::new(along(1), along(2)));
-        let to = match &receiver.polygon {
-            Some(receiving) => receiving.point(Vec2::new(along(3), along(4))),
-            None => receiver.centre,
-        };
-        let offset = to - from;
+    let mut first = 0;
+    let mut from_point = |point: Vec3| {
+        let vector = sending.vector_irradiance(point, receiver.normal);
+        let strength = receiver.normal.map_or(vector.length(), |n| n.dot(vector));
+        if strength > 0.0 {
+            let squared = point.distance_squared(sender.centre);
+            let parts = (wanted(sender.radius, squared) as u32).clamp(1, MOST_PARTS);
+            sum += radiance_towards(point, sender, exitant, first..first + parts) * strength;
+            weights += strength;
+            first += parts;
+        }
+    };
+    if let Some(receiving) = &receiver.polygon {
+        over_receiver(receiving, pairs > 4.0, from_point);
+    } else {
+        // A cluster is the disc of its radius that faces the sender.
+        let (tangent, bitangent) = offset.normalize_or(sender.normal).any_orthonormal_pair();
+        for i in 0..(pairs as u32).clamp(LEAST_POINTS, MOST_POINTS) {
+            let at = spread(i);
+            let (sine, cosine) = (TAU * at.y).sin_cos();
+            let across = tangent * cosine + bitangent * sine;
+            from_point(receiver.centre + across * (receiver.radius * at.x.sqrt()));
+        }
+    }
+    if weights > 0.0 {
+        sum / weights
+    } else {
+        in_the_middle()
+    }
+}
+
+/// Radiance of a directional element towards a point, weighted as it arrives from `parts` of it.
+fn radiance_towards(
+    point: Vec3,
+    sender: &Sender,
+    exitant: &Exitant,
+    parts: std::ops::Range<u32>,
+) -> Rgb {
+    let id = sender.id.node;
+    let in_the_middle = || exitant.towards(id, (point - sender.centre).normalize_or(sender.normal));
+    let Some(polygon) = sender.polygon.as_ref().filter(|_| parts.len() > 1) else {
+        return in_the_middle();
+    };
+    let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+    for part in parts {
+        let offset = point - polygon.point(spread(part));
         let squared = offset.length_squared();
-        let cosines = offset.dot(sender.normal).max(0.0)
-            * receiver.normal.map_or(1.0, |n| -n.dot(offset)).max(0.0);
-        if cosines > 0.0 {
-            let weight = cosines / (squared * squared);
+        let cosine = offset.dot(sender.normal);
+        if cosine > 0.0 {
+            let weight = cosine / (squared * squared);
             sum += exitant.towards(id, offset / squared.sqrt()) * weight;
             weights += weight;
         }
@@ -289,6 +324,15 @@ fn mean_radiance(receiver: &Receiver, sender: &Sender, exitant: &Exitant) -> Rgb
     } else {
         in_the_middle()
     }
+}
+
+/// Points that fill the unit square evenly: multiples of the powers of an irrational number.
+fn spread(index: u32) -> Vec2 {
+    let along = |power: i32| {
+        let step = 1.324_717_957_244_746f64.powi(-power);
+        (0.5 + step * f64::from(index)).fract() as f32
+    };
+    Vec2::new(along(1), along(2))
 }
 
 /// The most radiance (intensity, of clusters) [mean over channels] that a sender can have on average towards the
@@ -303,11 +347,16 @@ fn most_sent(
     let node = sender.id.node as usize;
     exitant.distribution[node].as_ref()?;
     let power = exitant.power[node] * (sender.area / sender.node_area);
-    let reach = receiver.radius + sender.radius;
-    let area = match &receiver.polygon {
-        Some(shape) => shape.vector_area().length(),
-        // A cluster's cross-section, and how much of a vertex' surroundings see a sender in much the same direction.
-        None => PI * reach * reach,
+    let area = match (&receiver.polygon, &sender.polygon) {
+        (Some(shape), _) => shape.vector_area().length(),
+        // A cluster's cross-section.
+        (None, Some(_)) if receiver.radius > 0.0 => PI * receiver.radius * receiver.radius,
+        // A vertex: no lobe of what is as large as the sender is brighter over its whole cross-section. A cluster of
+        // senders: its intensity is one for the whole cone of directions between the two.
+        (None, _) => {
+            let reach = receiver.radius + sender.radius;
+            PI * reach * reach
+        }
     };
     Some(power / (unoccluded * area))
 }
