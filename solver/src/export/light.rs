@@ -16,6 +16,7 @@ use crate::transport::reflect::{ReflectConfig, reflect};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
+use std::ops::Range;
 
 /// What a vertex shows.
 #[derive(Clone, Debug, Default)]
@@ -145,15 +146,17 @@ impl<'a> Light<'a> {
         crate::transport::illumination::irradiance(&samples, normal)
     }
 
-    /// Gathers at every vertex of `mesh` that is not in `lit` yet; a stopped solve leaves some out.
+    /// Gathers at every vertex of `mesh` that is not in `lit` yet; a stopped solve leaves some out. Its progress runs
+    /// through the range `done` of the whole solve's.
     pub(super) fn gather_missing(
         &self,
         hierarchy: &Hierarchy,
         mesh: &Mesh,
         lit: &mut Vec<VertexLight>,
         watch: &mut Watch<'_>,
-        done: f32,
+        done: Range<f32>,
     ) {
+        let first = lit.len();
         while lit.len() < mesh.vertices.len() {
             let end = mesh.vertices.len().min(lit.len() + BATCH);
             let batch: Vec<VertexLight> = mesh.vertices[lit.len()..end]
@@ -167,7 +170,9 @@ impl<'a> Light<'a> {
                 )
                 .collect();
             lit.extend(batch);
-            if watch.report("light at vertices", done).is_break() {
+            let share = (lit.len() - first) as f32 / (mesh.vertices.len() - first) as f32;
+            let now = done.start + (done.end - done.start) * share;
+            if watch.report("light at vertices", now).is_break() {
                 return;
             }
         }

@@ -46,7 +46,7 @@ pub(crate) fn export(
     }
     mesh.triangulate(&hierarchy);
     if gather && !watch.is_stopped() {
-        light.gather_missing(&hierarchy, &mesh, &mut lit, watch, 0.95);
+        light.gather_missing(&hierarchy, &mesh, &mut lit, watch, 0.95..1.0);
     }
     if lit.len() < mesh.vertices.len() {
         light.average(&hierarchy, &mesh, &mut lit);

@@ -76,8 +76,8 @@ pub(super) fn gather_and_split(
     // Each pass halves the leaves: with size 1 and the smallest edge, no more than this many.
     let passes = (1.0 / settings.min_edge).log2().ceil() as u32 + 1;
     for pass in 0..passes {
-        let done = 0.5 + 0.45 * (1.0 - 0.6f32.powi(pass as i32));
-        light.gather_missing(hierarchy, mesh, lit, watch, done);
+        let done = |pass: u32| 0.5 + 0.45 * (1.0 - 0.6f32.powi(pass as i32));
+        light.gather_missing(hierarchy, mesh, lit, watch, done(pass)..done(pass + 1));
         if watch.is_stopped() {
             return;
         }
