@@ -15,5 +15,6 @@ mod rays;
 pub mod reflect;
 pub mod region;
 mod sample;
+mod sent;
 pub mod shaft;
 pub mod visibility;
