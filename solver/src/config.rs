@@ -123,7 +123,7 @@ impl Settings {
             sharpest_roughness: knob(0.06, 0.02),
             unshot_share: knob(2e-2, 5e-4),
             gather: q > 0.0,
-            vertex_tolerance: knob(0.2, 0.0055),
+            vertex_tolerance: knob(0.16, 0.013),
             vertex_strata: step([2, 2, 3, 4]),
             mesh_tolerance: knob(0.25, 0.04),
             max_edge: knob(1.0 / 6.0, 1.0 / 32.0),

@@ -1,10 +1,11 @@
 //! Light at the vertices of the mesh: gathered there with the bounded propagation, or averaged from the elements
 //! around (§5.2).
 
-use super::mesh::{Mesh, Vertex, leaves};
+use super::mesh::{Mesh, Vertex};
+use super::place::Place;
 use crate::config::Settings;
 use crate::directional::{Projection, Projector, Source, packed};
-use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
+use crate::hierarchy::{Element, Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::solve::{Prepared, Transported, Watch};
 use crate::transport::exitant::Exitant;
@@ -47,10 +48,6 @@ pub(super) struct Light<'a> {
     /// right beside lamps do not set the scale for all others.
     typical_irradiance: f32,
 }
-
-/// A vertex is gathered this far from its place towards the middle of the leaves around it: on an edge between two
-/// walls the form factor of the other wall is not defined.
-const INSET: f32 = 1.0 / 12.0;
 
 /// Neighbouring vertices are twice as far apart as a corner is from the middle; a triangular filter that wide has the
 /// variance of a disc of this share.
@@ -157,15 +154,19 @@ impl<'a> Light<'a> {
         done: Range<f32>,
     ) {
         let first = lit.len();
+        let around = mesh.leaves_around(hierarchy);
         while lit.len() < mesh.vertices.len() {
-            let end = mesh.vertices.len().min(lit.len() + BATCH);
-            let batch: Vec<VertexLight> = mesh.vertices[lit.len()..end]
+            let range = lit.len()..mesh.vertices.len().min(lit.len() + BATCH);
+            let batch: Vec<VertexLight> = mesh.vertices[range.clone()]
                 .par_iter()
+                .zip(&around[range])
                 .with_max_len(32)
                 .map_init(
                     || (Projector::default(), Vec::new()),
-                    |(projector, samples), vertex| {
-                        self.vertex(hierarchy, vertex, projector, samples)
+                    |(projector, samples), (vertex, around)| {
+                        let occluders = &self.prepared.occluders;
+                        let place = Place::of(vertex, around, hierarchy, occluders);
+                        self.vertex(hierarchy, vertex, &place, projector, samples)
                     },
                 )
                 .collect();
@@ -182,27 +183,21 @@ impl<'a> Light<'a> {
         &self,
         hierarchy: &Hierarchy,
         vertex: &Vertex,
+        place: &Place<'_>,
         projector: &mut Projector,
         samples: &mut Vec<IlluminationSample>,
     ) -> VertexLight {
-        let element = &hierarchy.elements[hierarchy.node(vertex.leaf).element as usize];
+        let element = place.element;
         let material = vertex.material as usize;
         let lobe = self.prepared.lobes[material].as_ref();
         // Between vertices light is interpolated: directions that differ less than their normals do not count.
         let bend = BEND_WEIGHT * hierarchy.bend(element);
         let mut gloss = Gloss::of(lobe, self.prepared.diffuse[material]);
         gloss.width = gloss.width.hypot(bend);
-        let place = hierarchy.points[vertex.point as usize];
-        // On smooth surfaces the middle of several leaves lies inside the solid: stay on one of them.
-        let towards = if element.shading == NONE && vertex.centres.1 > 0 {
-            vertex.centres.0 / vertex.centres.1 as f32
-        } else {
-            hierarchy.node(vertex.leaf).centre
-        };
         let stats = self.gather(
             hierarchy,
             element,
-            place.lerp(towards, INSET),
+            place.position,
             vertex.normal,
             gloss,
             samples,
@@ -244,17 +239,7 @@ impl<'a> Light<'a> {
 
     /// Gives every vertex that is not in `lit` yet the mean of the leaves around it, weighted by area (§5.2).
     pub(super) fn average(&self, hierarchy: &Hierarchy, mesh: &Mesh, lit: &mut Vec<VertexLight>) {
-        let mut around: Vec<Vec<NodeId>> = vec![Vec::new(); mesh.vertices.len()];
-        for element in leaves(hierarchy) {
-            for corner in mesh.corners(hierarchy, element) {
-                around[corner as usize].push(element.node);
-            }
-        }
-        for (vertex, around) in mesh.vertices.iter().zip(&mut around) {
-            if around.is_empty() {
-                around.push(vertex.leaf);
-            }
-        }
+        let around = mesh.leaves_around(hierarchy);
         let missing: Vec<VertexLight> = around[lit.len()..]
             .par_iter()
             .with_max_len(64)

@@ -16,10 +16,8 @@ pub(super) struct Vertex {
     pub normal: Vec3,
     /// Material.
     pub material: u32,
-    /// A leaf element around it, the first in order.
+    /// The leaf element that it was made for.
     pub leaf: NodeId,
-    /// Sum of the centres of the leaves around it, and their number.
-    pub centres: (Vec3, u32),
 }
 
 /// Vertices and triangles.
@@ -51,6 +49,28 @@ pub(super) fn corner_normal(hierarchy: &Hierarchy, element: &Element, i: usize) 
     }
 }
 
+/// Corners and hanging points around a leaf: each with its normal and whether it is a corner.
+fn ring(hierarchy: &Hierarchy, element: &Element) -> impl Iterator<Item = (u32, Vec3, bool)> {
+    let count = element.corner_count();
+    (0..count).flat_map(move |i| {
+        let j = (i + 1) % count;
+        let (a, b) = (element.points[i], element.points[j]);
+        let (na, nb) = (
+            corner_normal(hierarchy, element, i),
+            corner_normal(hierarchy, element, j),
+        );
+        let hanging = hierarchy.midpoint(a, b).map(|middle| {
+            let normal = if element.shading == NONE {
+                element.normal
+            } else {
+                (na + nb).normalize_or(element.normal)
+            };
+            (middle, normal, false)
+        });
+        std::iter::once((a, na, true)).chain(hanging)
+    })
+}
+
 /// Leaf elements in the order of their making.
 pub(super) fn leaves(hierarchy: &Hierarchy) -> impl Iterator<Item = &Element> {
     hierarchy
@@ -60,24 +80,32 @@ pub(super) fn leaves(hierarchy: &Hierarchy) -> impl Iterator<Item = &Element> {
 }
 
 impl Mesh {
-    /// Makes vertices for the corners of all leaves; known ones are kept, with the leaves around them told anew.
+    /// Makes vertices for the corners of all leaves; known ones are kept.
     pub(super) fn add_corners(&mut self, hierarchy: &Hierarchy) {
-        for vertex in &mut self.vertices {
-            vertex.centres = (Vec3::ZERO, 0);
-        }
         for element in leaves(hierarchy) {
             for i in 0..element.corner_count() {
                 let normal = corner_normal(hierarchy, element, i);
-                let vertex = self.vertex(element.points[i], normal, element);
-                let centre = hierarchy.node(element.node).centre;
-                let (sum, count) = &mut self.vertices[vertex as usize].centres;
-                *sum += centre;
-                if *count == 0 {
-                    self.vertices[vertex as usize].leaf = element.node;
-                }
-                self.vertices[vertex as usize].centres.1 += 1;
+                self.vertex(element.points[i], normal, element);
             }
         }
+    }
+
+    /// The leaves around each vertex in order, those included that have it on an edge.
+    pub(super) fn leaves_around(&self, hierarchy: &Hierarchy) -> Vec<Vec<NodeId>> {
+        let mut around: Vec<Vec<NodeId>> = vec![Vec::new(); self.vertices.len()];
+        for element in leaves(hierarchy) {
+            for (point, normal, _) in ring(hierarchy, element) {
+                if let Some(&vertex) = self.index.get(&key(point, element.material, normal)) {
+                    around[vertex as usize].push(element.node);
+                }
+            }
+        }
+        for (vertex, around) in self.vertices.iter().zip(&mut around) {
+            if around.is_empty() {
+                around.push(vertex.leaf);
+            }
+        }
+        around
     }
 
     /// The vertex at a point on `element`'s surface.
@@ -87,13 +115,11 @@ impl Mesh {
             .index
             .entry(key(point, element.material, normal))
             .or_insert_with(|| {
-                let centres = (Vec3::ZERO, 0);
                 vertices.push(Vertex {
                     point,
                     normal,
                     material: element.material,
                     leaf: element.node,
-                    centres,
                 });
                 vertices.len() as u32 - 1
             })
@@ -119,27 +145,10 @@ impl Mesh {
     pub(super) fn triangulate(&mut self, hierarchy: &Hierarchy) {
         let all: Vec<Element> = leaves(hierarchy).copied().collect();
         for element in all {
-            let count = element.corner_count();
-            // Corners and hanging points, in order; each with whether it is a corner.
-            let mut ring: Vec<(u32, bool)> = Vec::with_capacity(8);
-            for i in 0..count {
-                let j = (i + 1) % count;
-                let (a, b) = (element.points[i], element.points[j]);
-                let (na, nb) = (
-                    corner_normal(hierarchy, &element, i),
-                    corner_normal(hierarchy, &element, j),
-                );
-                ring.push((self.vertex(a, na, &element), true));
-                if let Some(middle) = hierarchy.midpoint(a, b) {
-                    let normal = if element.shading == NONE {
-                        element.normal
-                    } else {
-                        (na + nb).normalize_or(element.normal)
-                    };
-                    ring.push((self.vertex(middle, normal, &element), false));
-                }
-            }
-            self.fill(hierarchy, &ring, count);
+            let ring: Vec<(u32, bool)> = ring(hierarchy, &element)
+                .map(|(point, normal, is_corner)| (self.vertex(point, normal, &element), is_corner))
+                .collect();
+            self.fill(hierarchy, &ring, element.corner_count());
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod light;
 mod mesh;
+mod place;
 mod refine;
 
 use crate::config::Settings;

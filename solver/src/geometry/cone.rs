@@ -6,6 +6,9 @@ use glam::Vec3;
 /// Corners that a cone can have; a cut adds at most one.
 const MOST_CORNERS: usize = 12;
 
+/// The direction of an edge over a smaller angle [rad] than this may be rounding.
+const SHORT: f32 = 1.0 / 1024.0;
+
 /// All directions from a point to a convex planar polygon, as the polygon's corners relative to the point, which does
 /// not lie in its plane.
 #[derive(Clone, Copy, Debug)]
@@ -50,12 +53,19 @@ impl Cone {
     }
 
     /// Inward unit normals of its sides, those of no length left out. `front`: the point is in front of the polygon.
+    ///
+    /// Cutting leaves edges that are hardly longer than rounding, whose normals point anywhere: those that do not
+    /// have the whole cone on their inner side are left out too.
     pub fn sides(&self, front: bool) -> impl Iterator<Item = Vec3> + '_ {
         let corners = self.corners();
         (0..self.count).filter_map(move |i| {
             let (a, b) = (corners[i], corners[(i + 1) % self.count]);
             let inward = if front { b.cross(a) } else { a.cross(b) };
-            inward.try_normalize()
+            let side = inward.try_normalize()?;
+            let squares = a.length_squared() * b.length_squared();
+            let is_short = inward.length_squared() < SHORT * SHORT * squares;
+            let is_inside = |corner: &Vec3| corner.dot(side) >= -SHORT * SHORT * corner.length();
+            (!is_short || corners.iter().all(is_inside)).then_some(side)
         })
     }
 

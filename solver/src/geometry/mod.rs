@@ -3,6 +3,7 @@
 pub mod cone;
 pub mod hash;
 pub mod polygon;
+pub mod sampling;
 
 pub use cone::Cone;
 pub use polygon::Polygon;

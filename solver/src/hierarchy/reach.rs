@@ -6,6 +6,7 @@
 //! either side all miss is taken for closed. Cost: a few dozen rays per side.
 
 use super::patch::Patch;
+use crate::geometry::sampling::cosine_direction;
 use crate::geometry::{Polygon, hash};
 use crate::radiometry::Rgb;
 use crate::scene::Material;
@@ -82,11 +83,9 @@ pub fn lit_sides(
         for ray in 0..LAMP_RAYS * 8 {
             let z = 2.0 * hash::unit(ray, 1) - 1.0;
             let (s, phi) = ((1.0 - z * z).sqrt(), TAU * hash::unit(ray, 2));
-            hits.extend(occluders.first_hit(
-                position,
-                Vec3::new(s * phi.cos(), s * phi.sin(), z),
-                super::NONE,
-            ));
+            let direction = Vec3::new(s * phi.cos(), s * phi.sin(), z);
+            let hit = occluders.first_hit(position, direction, super::NONE);
+            hits.extend(hit.map(|hit| (hit.patch, hit.back)));
         }
     }
     loop {
@@ -142,7 +141,6 @@ impl Sides<'_> {
     fn seen_from(&self, patch: u32, back: bool, rays: u32) -> Vec<(u32, bool)> {
         let polygon = Polygon::new(&self.patches[patch as usize].corners(self.points));
         let normal = polygon.vector_area().normalize_or_zero() * if back { -1.0 } else { 1.0 };
-        let (tangent, bitangent) = normal.any_orthonormal_pair();
         (0..rays)
             .filter_map(|ray| {
                 let u = |salt: u32| {
@@ -152,11 +150,9 @@ impl Sides<'_> {
                     )
                 };
                 let from = polygon.point(Vec2::new(0.02 + 0.96 * u(0), 0.02 + 0.96 * u(1)));
-                let (r, phi) = (u(2).sqrt(), TAU * u(3));
-                let height = (1.0 - r * r).sqrt();
-                let direction =
-                    tangent * (r * phi.cos()) + bitangent * (r * phi.sin()) + normal * height;
-                self.occluders.first_hit(from, direction, patch)
+                let direction = cosine_direction(normal, Vec2::new(u(2), u(3)));
+                let hit = self.occluders.first_hit(from, direction, patch)?;
+                Some((hit.patch, hit.back))
             })
             .collect()
     }

@@ -87,14 +87,20 @@ impl Exitant {
     /// How wrong the mean radiance of an element of `area` may be for the `share` of it that is seen, as a share of
     /// what all of it sends: what stands on a surface hides it just where it is dark.
     pub fn unevenness(&self, id: NodeId, area: f32, share: f32) -> f32 {
-        let (power, most) = (self.power[id as usize], self.brightest[id as usize] * area);
-        if power <= 0.0 {
-            return 0.0;
-        }
         let (seen, hidden) = (share.min(1.0), (1.0 - share).max(0.0));
         // All light in one part, or no part brighter than the brightest.
         seen.max(hidden)
-            .min((most / power - 1.0).max(0.0) * seen.min(hidden))
+            .min(self.brightest_excess(id, area) * seen.min(hidden))
+    }
+
+    /// By what share of its mean the brightest part of an element of `area` is brighter than that.
+    pub fn brightest_excess(&self, id: NodeId, area: f32) -> f32 {
+        let (power, most) = (self.power[id as usize], self.brightest[id as usize] * area);
+        if power > 0.0 {
+            (most / power - 1.0).max(0.0)
+        } else {
+            0.0
+        }
     }
 
     /// Bytes that it takes.

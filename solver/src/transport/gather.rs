@@ -13,19 +13,35 @@ use crate::transport::occlusion::{Candidates, Geometry, Occlusion, Target};
 use crate::transport::propagate::{Environment, Gloss, LinkStats, is_near};
 use crate::transport::rays::Rays;
 use crate::transport::sample::unoccluded_sample;
+use glam::Vec3;
 
 /// Links weaker than this share of the accuracy are weighed by one ray.
 const FAINT: f32 = 1.0 / 8.0;
 
 /// A partly hidden sender may be this share of the accuracy off because its radiance is uneven: such errors have one
 /// sign and add up.
-const UNEVEN: f32 = 0.05;
+const UNEVEN: f32 = 0.01;
 
 /// Clusters stand for what they hold up to this share of the accuracy: their visibility is one ray's.
-const CLUSTER: f32 = 0.25;
+const FAINT_CLUSTER: f32 = 0.25;
 
-/// Links between elements up to this share of the accuracy are searched for occluders only where rays differ.
+/// Links from elements up to this share of the accuracy are searched for occluders only where rays differ.
 const WEAK: f32 = 0.3;
+
+/// Clusters up to this share of the accuracy are opened only where rays differ.
+const WEAK_CLUSTER: f32 = 0.5;
+
+/// Weight of how far radiance differs over the directions to a vertex: caustics have the shape of what differs.
+const DIRECTIONS: f32 = 4.0;
+
+/// Weight of how far the radiance of parts of a sender is from its mean: such errors have one sign and add up.
+const PARTS: f32 = 5.0;
+
+/// Weight of all that a cluster may be wrong by: intensity towards the dark side of surfaces is badly known.
+const CLUSTER: f32 = 4.0;
+
+/// Weight of the shape of a sender that a lobe shows.
+const SHAPE: f32 = 2.0;
 
 /// What a gathering reads.
 pub struct Gather<'a> {
@@ -37,6 +53,15 @@ pub struct Gather<'a> {
     pub node_count: usize,
     /// Rays along each axis of the stratification of an important link; their square is cast.
     pub strata: u32,
+}
+
+/// A link to a vertex.
+struct VertexLink<'a> {
+    receiver: &'a Receiver,
+    sender: &'a Sender,
+    bounds: &'a Bounds,
+    /// As if nothing stood between.
+    sample: Option<IlluminationSample>,
 }
 
 impl Gather<'_> {
@@ -68,21 +93,25 @@ impl Gather<'_> {
             if sender.patch == receiver.patch && sender.patch != NONE {
                 continue;
             }
-            let is_good =
-                |bounds: &Bounds| self.error(hierarchy, bounds, receiver, &sender, gloss) <= limit;
-            let bounds = bounds(receiver, &sender, self.exitant, is_good);
+            let bounds = bounds(receiver, &sender, self.exitant, |_| true);
             if bounds.high <= 0.0 {
                 continue;
             }
+            let link = VertexLink {
+                receiver,
+                sender: &sender,
+                bounds: &bounds,
+                sample: unoccluded_sample(receiver, &sender, self.exitant),
+            };
             let can_refine = sender.can_refine();
             let mut candidates = candidates;
-            if can_refine && !is_good(&bounds) {
+            if can_refine && self.error(hierarchy, &link, gloss, limit) > limit {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))
                 });
                 continue;
             }
-            let Some(mut sample) = unoccluded_sample(receiver, &sender, self.exitant) else {
+            let Some(mut sample) = link.sample else {
                 continue;
             };
             let strength = sample.irradiance.mean();
@@ -95,7 +124,11 @@ impl Gather<'_> {
                 sender: &sender,
             };
             // A few rays that agree are enough for the weaker ones, and cheaper than a search.
-            if sender.polygon.is_some() && strength > FAINT * limit && strength <= WEAK * limit {
+            let weak = match sender.polygon {
+                Some(_) => FAINT..WEAK,
+                None => FAINT_CLUSTER..WEAK_CLUSTER,
+            };
+            if strength > weak.start * limit && strength <= weak.end * limit {
                 let (transmittance, mixed) = rays.strata(2, &mut stats);
                 if !mixed {
                     stats.links += 1;
@@ -149,7 +182,7 @@ impl Gather<'_> {
                     continue;
                 }
             }
-            if sender.polygon.is_none() && strength > CLUSTER * limit {
+            if sender.polygon.is_none() && strength > FAINT_CLUSTER * limit {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))
                 });
@@ -175,32 +208,51 @@ impl Gather<'_> {
         stats
     }
 
-    /// How far the sample of a link may be from the truth [W·m⁻²].
-    fn error(
-        &self,
-        hierarchy: &Hierarchy,
-        bounds: &Bounds,
-        receiver: &Receiver,
-        sender: &Sender,
-        gloss: Gloss,
-    ) -> f32 {
-        if is_near(bounds, receiver, sender) {
+    /// How far the sample of a link may be from the truth [W·m⁻²], apart from visibility: hoped, not proven, unlike
+    /// the bounds of links between nodes. The form factors of elements are exact, clusters have errors of second order.
+    fn error(&self, hierarchy: &Hierarchy, link: &VertexLink<'_>, gloss: Gloss, limit: f32) -> f32 {
+        let (receiver, sender, bounds) = (link.receiver, link.sender, link.bounds);
+        if is_near(bounds, receiver, sender) || bounds.distance <= 0.0 {
             return f32::INFINITY;
         }
-        let node = sender.id.node as usize;
-        let mut error = bounds.high - bounds.low;
-        if sender.polygon.is_some() && self.exitant.distribution[node].is_none() {
-            // The form factor is exact: what is left is how far the radiance of parts is from their mean.
-            if !hierarchy.has_children_among(sender.id.node, self.node_count) {
-                error = 0.0;
+        let has_gloss = gloss.share > 0.0;
+        if bounds.high <= limit && !has_gloss {
+            return bounds.high;
+        }
+        let offset = receiver.centre - sender.centre;
+        let is_cluster = sender.polygon.is_none();
+        let sinks = |normal: Vec3| normal.dot(offset) > -sender.radius;
+        if is_cluster && receiver.normal.is_some_and(sinks) {
+            return bounds.high;
+        }
+        let Some(sample) = &link.sample else {
+            return bounds.high;
+        };
+        let id = sender.id.node;
+        let across = sender.radius / bounds.distance;
+        let mut share = 0.0;
+        if self.exitant.distribution[id as usize].is_some() {
+            let axis = offset / bounds.distance;
+            let half_angle = across.min(1.0).asin();
+            let (low, high) = self.exitant.sampled_bounds(id, axis, half_angle);
+            let middle = self.exitant.towards(id, axis).mean();
+            if middle <= 0.0 {
+                return bounds.high;
             }
+            share += DIRECTIONS * (high - low) / middle;
         }
-        if gloss.share > 0.0 && bounds.distance > 0.0 {
+        if is_cluster {
+            share = CLUSTER * (share + across * across);
+        } else if hierarchy.has_children_among(id, self.node_count) {
+            let uneven = self.exitant.brightest_excess(id, sender.node_area);
+            share += PARTS * uneven.min(1.0) * (2.0 * across).min(1.0);
+        }
+        if has_gloss {
             // The lobe of a sample is as wide as its sender: only the sender's shape is lost.
-            let seen = 0.5 * sender.radius / (bounds.distance * gloss.width);
-            error += bounds.high * gloss.share * (seen * seen).min(1.0);
+            let seen = 0.5 * across / gloss.width;
+            share += SHAPE * gloss.share * (seen * seen).min(1.0);
         }
-        error
+        sample.irradiance.mean() * share
     }
 
     fn point_lights(

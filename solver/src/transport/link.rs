@@ -339,12 +339,7 @@ pub fn bounds(
     } else {
         Vec3::Z
     };
-    // A vertex's own error control follows: it does with hoped bounds, nodes get proven ones.
-    let (low, high) = if receiver.radius > 0.0 {
-        exitant.bounds(sender.id.node, axis, half_angle)
-    } else {
-        exitant.sampled_bounds(sender.id.node, axis, half_angle)
-    };
+    let (low, high) = exitant.bounds(sender.id.node, axis, half_angle);
     Bounds {
         low: low * factors.0,
         high: high * factors.1,

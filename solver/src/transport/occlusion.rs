@@ -308,4 +308,58 @@ mod tests {
         }
         assert!(partly > 20, "{partly} cases are partly hidden");
     }
+
+    /// The six faces of a box seen from the origin, fronts outwards.
+    fn faces(low: Vec3, high: Vec3) -> Vec<Polygon> {
+        let corner = |bits: usize| {
+            let pick = |axis: usize| [low, high][bits >> axis & 1][axis];
+            Vec3::new(pick(0), pick(1), pick(2))
+        };
+        let faces = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        let polygon = |face: [usize; 4]| Polygon::new(&face.map(corner));
+        faces.into_iter().map(polygon).collect()
+    }
+
+    #[test]
+    fn boxes_hide_the_same_in_any_order() {
+        // Two boxes between the origin and a floor, as found in a room: cutting leaves edges as short as rounding.
+        let seen_from = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) - Vec3::new(0.625, 1.5, 0.5);
+        let mut shapes = faces(seen_from(1.1, 0.1, 1.0), seen_from(1.7, 0.4, 1.8));
+        shapes.extend(faces(seen_from(0.3, 0.2, 0.4), seen_from(0.8, 0.9, 0.9)));
+        let floor = Polygon::new(&[
+            seen_from(1.0, 0.0, 1.0),
+            seen_from(1.0, 0.0, 2.0),
+            seen_from(2.0, 0.0, 2.0),
+            seen_from(2.0, 0.0, 1.0),
+        ]);
+        let expected = by_parts(&floor, Vec3::Y, &shapes);
+        let count = shapes.len() as u32;
+        shapes.push(floor);
+        let geometry = Geometry {
+            tree: &PatchTree::new(&shapes, &[]),
+            shapes: &shapes,
+        };
+        let seen = Target::new(&floor, Vec3::Y, count, Vec3::ZERO, None).expect("in front");
+        let mut order: Vec<u32> = (0..count).collect();
+        for trial in 0..4000 {
+            for i in (1..count).rev() {
+                let other = (unit(trial, i) * (i + 1) as f32) as usize;
+                order.swap(i as usize, other);
+            }
+            let visible = geometry
+                .visible(Vec3::ZERO, &seen, &order)
+                .expect("few pieces");
+            assert!(
+                (visible - expected).length() < 0.02 * expected.length(),
+                "{order:?}: {visible} against {expected}"
+            );
+        }
+    }
 }

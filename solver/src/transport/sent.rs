@@ -1,11 +1,12 @@
 //! What a directional sender sends towards a receiver: its mean radiance over the cone of directions between them, and
 //! the most that it can be.
 
+use crate::geometry::sampling::spread;
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::kernel::over_receiver;
 use crate::transport::link::{Receiver, Sender};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
 /// Pairs of points that meet a lobe as wide as the cone of directions that it is integrated over.
@@ -96,13 +97,6 @@ fn radiance_towards(
     } else {
         in_the_middle()
     }
-}
-
-/// Points that fill the unit square evenly: multiples of the powers of an irrational number.
-fn spread(index: u32) -> Vec2 {
-    // The inverse of the plastic number, and its square.
-    let along = |step: f64| (0.5 + step * f64::from(index)).fract() as f32;
-    Vec2::new(along(0.754_877_666_246_693), along(0.569_840_290_998_053))
 }
 
 /// The most radiance (intensity, of clusters) [mean over channels] that a sender can have on average towards the

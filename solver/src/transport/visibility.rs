@@ -69,6 +69,17 @@ pub struct Occluder {
     pub transmission: Rgb,
 }
 
+/// What a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The patch.
+    pub patch: u32,
+    /// The ray meets its back.
+    pub back: bool,
+    /// In units of the ray's direction.
+    pub distance: f32,
+}
+
 impl Occluders {
     /// Builds the acceleration structure.
     pub fn new(triangles: &[Occluder]) -> Self {
@@ -125,9 +136,8 @@ impl Occluders {
         self.along(ray, [origin, NO_PATCH])
     }
 
-    /// The first opaque surface that a ray from `from` on patch `origin` towards `direction` meets: its patch, and
-    /// whether the ray meets its back.
-    pub fn first_hit(&self, from: Vec3, direction: Vec3, origin: u32) -> Option<(u32, bool)> {
+    /// The first opaque surface that a ray from `from` on patch `origin` towards `direction` meets.
+    pub fn first_hit(&self, from: Vec3, direction: Vec3, origin: u32) -> Option<Hit> {
         let ray = Ray::new(from.into(), direction.into(), END_GAP, f32::MAX);
         let mut hit = RayHit::none();
         let found = self.bvh.ray_traverse(ray, &mut hit, |ray, id| {
@@ -141,7 +151,11 @@ impl Occluders {
         found.then(|| {
             let face = &self.faces[hit.primitive_id as usize];
             // `edge1` runs from the second to the first corner: the stored normal is minus the front normal.
-            (face.patch, face.normal.dot(direction.into()) < 0.0)
+            Hit {
+                patch: face.patch,
+                back: face.normal.dot(direction.into()) < 0.0,
+                distance: hit.t,
+            }
         })
     }
 

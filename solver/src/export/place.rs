@@ -1,0 +1,93 @@
+//! Where the light of a vertex is gathered: beside it, on a leaf that it belongs to, and not inside of what stands there.
+
+use super::mesh::Vertex;
+use crate::geometry::sampling::{cosine_direction, spread};
+use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
+use crate::transport::visibility::Occluders;
+use glam::Vec3;
+
+/// A vertex is gathered this far from its point towards the middle of the leaves around it: on an edge between two
+/// walls the form factor of the other wall is not defined.
+const INSET: f32 = 1.0 / 12.0;
+
+/// Where a vertex is covered, it is gathered this far towards the middle or a corner of one of the leaves around it.
+const UNCOVERED: [f32; 4] = [INSET, 0.25, 0.5, 1.0];
+
+/// Rays that tell whether a place is covered.
+const RAYS: u32 = 16;
+
+/// A place is covered when fewer of them are open.
+const OPEN: u32 = RAYS / 4;
+
+/// A place on a leaf.
+pub(super) struct Place<'a> {
+    pub(super) element: &'a Element,
+    pub(super) position: Vec3,
+}
+
+impl<'a> Place<'a> {
+    /// Where `vertex` sees what is seen around it. `around`: its leaves, at least one.
+    ///
+    /// What stands on a surface covers the vertices below it. They are not seen, but light is interpolated from them
+    /// to places that are: those show what an uncovered part of the same leaves receives. Covered is what lies
+    /// inside of something, or has surfaces before it that are closer than a leaf is large, which vanishes with refinement.
+    pub(super) fn of(
+        vertex: &Vertex,
+        around: &[NodeId],
+        hierarchy: &'a Hierarchy,
+        occluders: &Occluders,
+    ) -> Self {
+        let on = |leaf: NodeId, towards: Vec3, share: f32| Self {
+            element: &hierarchy.elements[hierarchy.node(leaf).element as usize],
+            position: hierarchy.points[vertex.point as usize].lerp(towards, share),
+        };
+        let centre = |leaf: NodeId| hierarchy.node(leaf).centre;
+        let usual = on(around[0], centre(around[0]), INSET);
+        // On smooth surfaces the middle of several leaves lies inside the solid: stay on one of them.
+        let usual = if usual.element.shading == NONE {
+            let sum: Vec3 = around.iter().map(|&leaf| centre(leaf)).sum();
+            on(around[0], sum / around.len() as f32, INSET)
+        } else {
+            usual
+        };
+        if usual.open_rays(hierarchy, occluders) >= OPEN {
+            return usual;
+        }
+        let targets: Vec<(NodeId, Vec3)> = around
+            .iter()
+            .flat_map(|&leaf| {
+                let corners = on(leaf, centre(leaf), 0.0).element.polygon;
+                let inner = corners
+                    .corners()
+                    .iter()
+                    .map(|c| c.lerp(centre(leaf), INSET));
+                let targets: Vec<Vec3> = inner.chain([centre(leaf)]).collect();
+                targets.into_iter().map(move |target| (leaf, target))
+            })
+            .filter(|&(leaf, target)| on(leaf, target, 1.0).open_rays(hierarchy, occluders) >= OPEN)
+            .collect();
+        UNCOVERED
+            .iter()
+            .find_map(|&share| {
+                let places = targets.iter().map(|&(leaf, target)| {
+                    let place = on(leaf, target, share);
+                    (place.open_rays(hierarchy, occluders), place)
+                });
+                // The first of the most open ones.
+                let best = places.reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+                (best.0 >= OPEN).then_some(best.1)
+            })
+            .unwrap_or(usual)
+    }
+
+    /// Number of rays that meet a front, and not closer than the leaf is large.
+    fn open_rays(&self, hierarchy: &Hierarchy, occluders: &Occluders) -> u32 {
+        let reach = hierarchy.node(self.element.node).radius;
+        let is_open = |ray: u32| {
+            let direction = cosine_direction(self.element.normal, spread(ray));
+            let hit = occluders.first_hit(self.position, direction, self.element.patch);
+            hit.is_none_or(|hit| !hit.back && hit.distance > reach)
+        };
+        (0..RAYS).filter(|&ray| is_open(ray)).count() as u32
+    }
+}
