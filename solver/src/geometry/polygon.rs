@@ -57,6 +57,15 @@ impl Polygon {
             .sqrt()
     }
 
+    /// True for a point of its plane that lies within it.
+    pub fn holds(&self, point: Vec3) -> bool {
+        let (corners, normal) = (self.corners(), self.vector_area());
+        (0..self.count).all(|i| {
+            let (a, b) = (corners[i], corners[(i + 1) % self.count]);
+            (b - a).cross(point - a).dot(normal) >= 0.0
+        })
+    }
+
     /// The point at `uv` of the unit square: bilinear on quads, area-preserving on triangles.
     pub fn point(&self, uv: Vec2) -> Vec3 {
         let c = &self.corners;

@@ -88,6 +88,8 @@ pub struct Hierarchy {
     pub shading_normals: Vec<[Vec3; 4]>,
     /// The patches.
     pub patches: Vec<Patch>,
+    /// The element that is the whole front and back of each patch; [`NONE`] for sides that light cannot reach.
+    wholes: Vec<[NodeId; 2]>,
     midpoints: FxHashMap<(u32, u32), u32>,
 }
 
@@ -106,7 +108,16 @@ impl Hierarchy {
             ..Self::default()
         };
         cluster::build(&mut hierarchy, materials, lit);
+        hierarchy.wholes = vec![[NONE; 2]; hierarchy.patches.len()];
+        for element in &hierarchy.elements {
+            hierarchy.wholes[element.patch as usize][usize::from(element.back)] = element.node;
+        }
         hierarchy
+    }
+
+    /// The element that is a whole side of `patch`; [`NONE`] for sides that light cannot reach.
+    pub fn whole(&self, patch: u32, back: bool) -> NodeId {
+        self.wholes[patch as usize][usize::from(back)]
     }
 
     /// Node `id`.
@@ -296,6 +307,7 @@ impl Hierarchy {
             + self.points.len() * size_of::<Vec3>()
             + self.shading_normals.len() * size_of::<[Vec3; 4]>()
             + self.patches.len() * size_of::<Patch>()
+            + self.wholes.len() * size_of::<[NodeId; 2]>()
             + self.midpoints.len() * 12
     }
 

@@ -33,6 +33,11 @@ impl SenderId {
         }
     }
 
+    /// A number that tells parts of one node from each other.
+    pub fn hash(&self) -> u32 {
+        u32::from(self.path) << 8 | u32::from(self.depth)
+    }
+
     /// True for a whole node.
     pub fn is_whole(&self) -> bool {
         self.depth == 0

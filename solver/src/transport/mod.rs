@@ -17,4 +17,5 @@ pub mod region;
 mod sample;
 mod sent;
 pub mod shaft;
+mod stray;
 pub mod visibility;

@@ -13,6 +13,7 @@ use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, SampleSets};
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
 use crate::transport::region::PatchTree;
+use crate::transport::stray::Pair;
 use crate::transport::visibility::Occluders;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -113,10 +114,6 @@ impl Gloss {
 /// A cluster stands for what it holds only from further away than this many of its radii.
 const CLUSTER_DISTANCE: f32 = 1.5;
 
-/// Light between surfaces closer than a cluster can stand for is left out where the sender's whole power is this
-/// share of the tolerance: it stays within a small thing.
-const NEGLIGIBLE: f32 = 0.02;
-
 /// True when an end of the link is a cluster that the other is too close to. However weak the link: intensity over
 /// distance squared is without bound near a flat cluster, and light between such surfaces would grow.
 pub(super) fn is_near(bounds: &Bounds, receiver: &Receiver, sender: &Sender) -> bool {
@@ -180,6 +177,8 @@ pub struct Propagation<'a> {
 pub(super) struct Outcome {
     pub(super) samples: Vec<IlluminationSample>,
     pub(super) refined: Vec<SenderId>,
+    /// Stray light of elements below the receiver.
+    deposits: Vec<(NodeId, IlluminationSample)>,
     records: Vec<LinkRecord>,
     pub(super) stats: LinkStats,
 }
@@ -222,6 +221,9 @@ impl Propagation<'_> {
                 for ((id, _), outcome) in batch.iter().zip(outcomes) {
                     stats.add(&outcome.stats);
                     samples.extend(*id, outcome.samples);
+                    for (element, sample) in outcome.deposits {
+                        samples.extend(element, vec![sample]);
+                    }
                     records.extend(outcome.records);
                     if outcome.refined.is_empty() {
                         continue;
@@ -286,9 +288,14 @@ impl Propagation<'_> {
             }
             let same = id == link.node;
             let power = self.exitant.power[link.node as usize];
-            if (same || is_near(&bounds, &receiver, &sender))
-                && power < NEGLIGIBLE * self.accuracy.tolerance
-            {
+            if (same || is_near(&bounds, &receiver, &sender)) && power < self.accuracy.tolerance {
+                let pair = Pair {
+                    hierarchy,
+                    receiver_node: id,
+                    receiver: &receiver,
+                    sender: &sender,
+                };
+                self.stray(&pair, &mut outcome.deposits, &mut outcome.stats);
                 continue;
             }
             let good = !same && is_good(&bounds);

@@ -1,0 +1,144 @@
+//! Weak light between surfaces that are too close for clusters to stand for them: rays carry it.
+//!
+//! A link's bounds are refined until each end is small against its distance. Within a chair that takes thousands of
+//! links for light that is next to nothing, but left out it adds up. Rays from the sender that meet the receiver carry
+//! their share of the sender's power: the mean is exact, and what noise there is stays within a small thing.
+//! Cost: a few rays per pair.
+
+use crate::geometry::{hash, sampling};
+use crate::hierarchy::{Hierarchy, NONE, NodeId};
+use crate::transport::illumination::IlluminationSample;
+use crate::transport::link::{Receiver, Sender};
+use crate::transport::propagate::{LinkStats, Propagation};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// Rays of a pair whose sender is next to nothing.
+const LEAST_RAYS: f32 = 2.0;
+
+/// Rays of a sender as strong as the tolerance.
+const MOST_RAYS: f32 = 32.0;
+
+/// Light from below this cosine is taken to come from straight ahead.
+const GRAZING: f32 = 0.1;
+
+/// Two ends of a pair.
+pub(super) struct Pair<'a> {
+    pub(super) hierarchy: &'a Hierarchy,
+    pub(super) receiver_node: NodeId,
+    pub(super) receiver: &'a Receiver,
+    pub(super) sender: &'a Sender,
+}
+
+impl Propagation<'_> {
+    /// Sends the light of a pair; appends what elements of the receiver get.
+    pub(super) fn stray(
+        &self,
+        pair: &Pair<'_>,
+        deposits: &mut Vec<(NodeId, IlluminationSample)>,
+        stats: &mut LinkStats,
+    ) {
+        let (hierarchy, sender) = (pair.hierarchy, pair.sender);
+        let id = sender.id.node;
+        let seed = hash::mix(hash::mix(id, pair.receiver_node), sender.id.hash());
+        let power = self.exitant.power[id as usize] * (sender.area / sender.node_area);
+        let rays =
+            (MOST_RAYS * power / self.accuracy.tolerance).clamp(LEAST_RAYS, MOST_RAYS) as u32;
+        for ray in 0..rays {
+            let seed = hash::mix(seed, ray);
+            let unit = |salt: u32| hash::unit(seed, salt);
+            let Some(source) = self.pick(hierarchy, id, seed) else {
+                continue;
+            };
+            let Some(element) = hierarchy.element_of(source) else {
+                continue;
+            };
+            let polygon = match sender.polygon {
+                Some(part) => part,
+                None => element.polygon,
+            };
+            let from = polygon.point(Vec2::new(unit(60), unit(61)));
+            let direction =
+                sampling::cosine_direction(element.normal, Vec2::new(unit(62), unit(63)));
+            stats.rays += 1;
+            let occluders = self.environment.occluders;
+            let Some(hit) = occluders.first_hit(from, direction, element.patch) else {
+                continue;
+            };
+            let met = hierarchy.whole(hit.patch, hit.back);
+            let at = from + direction * hit.distance;
+            let Some(node) = self.below(pair, met, at) else {
+                continue;
+            };
+            // Radiance over its mean over the cosine-weighted hemisphere.
+            let mean = self.exitant.power[source as usize] / (PI * hierarchy.node(source).area);
+            let radiance = self.exitant.towards(source, direction);
+            let irradiance = radiance * (power / (rays as f32 * mean * hierarchy.node(node).area));
+            if irradiance.is_black() {
+                continue;
+            }
+            let normal = hierarchy
+                .element_of(node)
+                .map_or(-direction, |e| hierarchy.shading_normal(e));
+            let cosine = -direction.dot(normal);
+            let (direction, irradiance) = if cosine > GRAZING {
+                (-direction, irradiance / cosine)
+            } else {
+                (normal, irradiance)
+            };
+            let spread = (sender.radius / hit.distance).atan();
+            deposits.push((
+                node,
+                IlluminationSample {
+                    direction,
+                    irradiance,
+                    spread,
+                    parallax: None,
+                },
+            ));
+        }
+    }
+
+    /// An element below `id` that sends, in proportion to its power.
+    fn pick(&self, hierarchy: &Hierarchy, id: NodeId, seed: u32) -> Option<NodeId> {
+        let power = &self.exitant.power;
+        let power = |id: NodeId| power.get(id as usize).copied().unwrap_or(0.0);
+        let mut at = id;
+        let mut salt = 0;
+        while hierarchy.element_of(at).is_none() {
+            let mut left = hash::unit(seed, salt) * hierarchy.children(at).map(power).sum::<f32>();
+            salt += 1;
+            let mut chosen = None;
+            for child in hierarchy.children(at).filter(|&child| power(child) > 0.0) {
+                chosen = Some(child);
+                left -= power(child);
+                if left < 0.0 {
+                    break;
+                }
+            }
+            at = chosen?;
+        }
+        Some(at)
+    }
+
+    /// The element of the receiver that a ray met at a point of the patch side `met`.
+    fn below(&self, pair: &Pair<'_>, met: NodeId, point: Vec3) -> Option<NodeId> {
+        if met == NONE {
+            return None;
+        }
+        let Some(polygon) = &pair.receiver.polygon else {
+            let mut at = met;
+            while at != pair.receiver_node {
+                at = pair.hierarchy.node(at).parent;
+                if at == NONE {
+                    return None;
+                }
+            }
+            return Some(met);
+        };
+        let element = pair.hierarchy.element_of(pair.receiver_node)?;
+        let root = pair.hierarchy.element_of(met)?;
+        let is_same_side = element.patch == root.patch && element.back == root.back;
+        (is_same_side && polygon.holds(point)).then_some(pair.receiver_node)
+    }
+}
