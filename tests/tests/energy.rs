@@ -3,10 +3,11 @@
 #![allow(clippy::print_stdout, reason = "figures are read from the output")]
 
 use sheen_solver::config::{Quality, Settings};
-use sheen_solver::{Scene, Solution, SolveConfig, solve};
+use sheen_solver::{Observer, Progress, Scene, Solution, SolveConfig, solve};
 use sheen_tests::measure::{area, front_triangles, mean_of_corners};
 use sheen_tests::{assert_close, scenes};
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 /// Emitted power is absorbed, unshot or escaped to 0.5 %.
 const LEDGER: f64 = 0.005;
@@ -14,9 +15,27 @@ const LEDGER: f64 = 0.005;
 /// Escape rays may slip through an edge where two faces meet.
 const SLIPPED: f64 = 2e-3;
 
+/// Stops a solve when light transport is done.
+struct TransportOnly;
+
+impl Observer for TransportOnly {
+    fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
+        if progress.phase == "light at vertices" {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
 /// Solves, and adds to `faults` where the ledger does not close.
 fn check(name: &str, scene: &Scene, faults: &mut Vec<String>) -> Solution {
     let solution = solve(scene, &SolveConfig::default(), &mut ()).unwrap();
+    check_solution(name, &solution, Quality::DEFAULT, faults);
+    solution
+}
+
+fn check_solution(name: &str, solution: &Solution, quality: Quality, faults: &mut Vec<String>) {
     let s = &solution.stats.solve;
     println!(
         "{name}: emitted {:.5} W, absorbed {:.5}, unshot {:.5}, escaped {:.5}; {} iterations, {:.1} s",
@@ -29,14 +48,13 @@ fn check(name: &str, scene: &Scene, faults: &mut Vec<String>) -> Solution {
         faults.push(format!("{name}: {:+.4} %", error * 100.0));
     }
     // The iteration stopped because it was done.
-    let share = f64::from(Settings::of(Quality::DEFAULT).unshot_share);
+    let share = f64::from(Settings::of(quality).unshot_share);
     assert!(
         s.unshot_w <= share * s.emitted_w,
         "{name}: {} W unshot",
         s.unshot_w
     );
     assert!(s.absorbed_w >= 0.0 && s.escaped_w >= 0.0);
-    solution
 }
 
 /// π Σ L A over the fronts that emit, from the scene itself, all channels.
@@ -116,4 +134,16 @@ fn the_displayed_light_is_that_of_the_ledger() {
         s.absorbed_w + s.unshot_w,
         0.02,
     );
+}
+
+#[test]
+fn a_furnished_room() {
+    let config = SolveConfig {
+        quality: Quality::PREVIEW,
+        ..SolveConfig::default()
+    };
+    let solution = solve(&scenes::own("cafe"), &config, &mut TransportOnly).unwrap();
+    let mut faults = Vec::new();
+    check_solution("cafe", &solution, Quality::PREVIEW, &mut faults);
+    assert!(faults.is_empty(), "{faults:#?}");
 }
