@@ -29,8 +29,8 @@ impl<'a> Place<'a> {
     /// Where `vertex` sees what is seen around it. `around`: its leaves, at least one.
     ///
     /// What stands on a surface covers the vertices below it. They are not seen, but light is interpolated from them
-    /// to places that are: those show what an uncovered part of the same leaves receives. Covered is what lies
-    /// inside of something, or has surfaces before it that are closer than a leaf is large, which vanishes with refinement.
+    /// to places that are: those show what an uncovered part of the same leaves receives. Covered is what lies inside
+    /// of something, or has surfaces before it that are closer than a leaf is large, which vanishes with refinement.
     pub(super) fn of(
         vertex: &Vertex,
         around: &[NodeId],
@@ -42,15 +42,21 @@ impl<'a> Place<'a> {
             position: hierarchy.points[vertex.point as usize].lerp(towards, share),
         };
         let centre = |leaf: NodeId| hierarchy.node(leaf).centre;
-        let usual = on(around[0], centre(around[0]), INSET);
-        // On smooth surfaces the middle of several leaves lies inside the solid: stay on one of them.
-        let usual = if usual.element.shading == NONE {
+        let inset = |leaf: NodeId| on(leaf, centre(leaf), INSET);
+        let openness = |place: &Self| place.open_rays(hierarchy, occluders);
+        let first = inset(around[0]);
+        let usual = if first.element.shading == NONE {
             let sum: Vec3 = around.iter().map(|&leaf| centre(leaf)).sum();
             on(around[0], sum / around.len() as f32, INSET)
         } else {
-            usual
+            // On smooth surfaces the middle of several leaves lies inside the solid, and some of them may: stay on the
+            // first of the most open ones.
+            let open = around.iter().map(|&leaf| inset(leaf));
+            open.map(|place| (openness(&place), place))
+                .reduce(|a, b| if b.0 > a.0 { b } else { a })
+                .map_or(first, |best| best.1)
         };
-        if usual.open_rays(hierarchy, occluders) >= OPEN {
+        if openness(&usual) >= OPEN {
             return usual;
         }
         let targets: Vec<(NodeId, Vec3)> = around
@@ -64,14 +70,14 @@ impl<'a> Place<'a> {
                 let targets: Vec<Vec3> = inner.chain([centre(leaf)]).collect();
                 targets.into_iter().map(move |target| (leaf, target))
             })
-            .filter(|&(leaf, target)| on(leaf, target, 1.0).open_rays(hierarchy, occluders) >= OPEN)
+            .filter(|&(leaf, target)| openness(&on(leaf, target, 1.0)) >= OPEN)
             .collect();
         UNCOVERED
             .iter()
             .find_map(|&share| {
                 let places = targets.iter().map(|&(leaf, target)| {
                     let place = on(leaf, target, share);
-                    (place.open_rays(hierarchy, occluders), place)
+                    (openness(&place), place)
                 });
                 // The first of the most open ones.
                 let best = places.reduce(|a, b| if b.0 > a.0 { b } else { a })?;
