@@ -1,7 +1,7 @@
 //! Light that leaves the nodes of the hierarchy: what links carry.
 
 use crate::directional::packed;
-use crate::hierarchy::NodeId;
+use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use glam::Vec3;
 
@@ -101,6 +101,22 @@ impl Exitant {
         } else {
             0.0
         }
+    }
+
+    /// A child of `id` that sends, chosen in proportion to its power by `chance` in [0, 1).
+    pub fn brighter_child(&self, hierarchy: &Hierarchy, id: NodeId, chance: f32) -> Option<NodeId> {
+        let power = |child: NodeId| self.power.get(child as usize).copied().unwrap_or(0.0);
+        let children = hierarchy.children(id);
+        let mut left = chance * children.clone().map(power).sum::<f32>();
+        let mut chosen = None;
+        for child in children.filter(|&child| power(child) > 0.0) {
+            chosen = Some(child);
+            left -= power(child);
+            if left < 0.0 {
+                break;
+            }
+        }
+        chosen
     }
 
     /// Bytes that it takes.

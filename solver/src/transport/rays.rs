@@ -109,7 +109,10 @@ impl Rays<'_> {
             let mut polygon = *polygon;
             let mut id = self.sender.id.node;
             let mut salt = 100;
-            while let Some(child) = self.brighter_child(id, hash::unit(seed, salt)) {
+            while let Some(child) =
+                self.exitant
+                    .brighter_child(self.hierarchy, id, hash::unit(seed, salt))
+            {
                 polygon = self.hierarchy.element_of(child)?.polygon;
                 (id, salt) = (child, salt + 1);
             }
@@ -124,28 +127,6 @@ impl Rays<'_> {
         let power = &self.exitant.power;
         let weight = |id: NodeId| power.get(id as usize).copied().unwrap_or(0.0);
         self.surface_point(self.sender.id.node, seed, self.receiver.centre, weight)
-    }
-
-    /// A child of an element that sends, in proportion to its power.
-    fn brighter_child(&self, id: NodeId, at: f32) -> Option<NodeId> {
-        let power = |child: NodeId| {
-            self.exitant
-                .power
-                .get(child as usize)
-                .copied()
-                .unwrap_or(0.0)
-        };
-        let children = self.hierarchy.children(id);
-        let mut left = at * children.clone().map(power).sum::<f32>();
-        let mut chosen = None;
-        for child in children.filter(|&child| power(child) > 0.0) {
-            chosen = Some(child);
-            left -= power(child);
-            if left < 0.0 {
-                break;
-            }
-        }
-        chosen
     }
 
     fn receiver_point(&self, uv: Vec2, seed: u32, towards: Vec3) -> Option<RayEnd> {
@@ -218,8 +199,8 @@ impl Rays<'_> {
     }
 }
 
-/// Rays whose leave-one-out means are kept.
-const MOST_RAYS: usize = 64;
+/// Rays whose leave-one-out means are kept: all that the most strata of a near link cast.
+const MOST_RAYS: usize = 36;
 
 /// A mean of few values with weights that go with them.
 ///

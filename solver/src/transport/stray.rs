@@ -101,22 +101,12 @@ impl Propagation<'_> {
 
     /// An element below `id` that sends, in proportion to its power.
     fn pick(&self, hierarchy: &Hierarchy, id: NodeId, seed: u32) -> Option<NodeId> {
-        let power = &self.exitant.power;
-        let power = |id: NodeId| power.get(id as usize).copied().unwrap_or(0.0);
         let mut at = id;
         let mut salt = 0;
         while hierarchy.element_of(at).is_none() {
-            let mut left = hash::unit(seed, salt) * hierarchy.children(at).map(power).sum::<f32>();
+            let chance = hash::unit(seed, salt);
+            at = self.exitant.brighter_child(hierarchy, at, chance)?;
             salt += 1;
-            let mut chosen = None;
-            for child in hierarchy.children(at).filter(|&child| power(child) > 0.0) {
-                chosen = Some(child);
-                left -= power(child);
-                if left < 0.0 {
-                    break;
-                }
-            }
-            at = chosen?;
         }
         Some(at)
     }
