@@ -5,6 +5,7 @@
 use sheen_solver::config::{Quality, Settings};
 use sheen_solver::{Observer, Progress, Scene, Solution, SolveConfig, solve};
 use sheen_tests::measure::{area, front_triangles, mean_of_corners};
+use sheen_tests::shared::shared;
 use sheen_tests::{assert_close, scenes};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -136,14 +137,30 @@ fn the_displayed_light_is_that_of_the_ledger() {
     );
 }
 
-#[test]
-fn a_furnished_room() {
+/// The ledger of a scene of many small things at preview; nothing is gathered at vertices.
+fn check_furnished(name: &str, scene: &Scene) {
     let config = SolveConfig {
         quality: Quality::PREVIEW,
         ..SolveConfig::default()
     };
-    let solution = solve(&scenes::own("cafe"), &config, &mut TransportOnly).unwrap();
+    let solution = solve(scene, &config, &mut TransportOnly).unwrap();
     let mut faults = Vec::new();
-    check_solution("cafe", &solution, Quality::PREVIEW, &mut faults);
+    check_solution(name, &solution, Quality::PREVIEW, &mut faults);
     assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn a_furnished_room() {
+    check_furnished("cafe", &scenes::own("cafe"));
+}
+
+#[test]
+fn the_soda_shoppe() {
+    let Some(shared) = shared("the_soda_shoppe") else {
+        return;
+    };
+    for name in ["soda.mgf", "soda_phong.obj"] {
+        let path = shared.join("reference/scenes").join(name);
+        check_furnished(name, &scenes::load(&path));
+    }
 }

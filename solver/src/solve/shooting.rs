@@ -13,6 +13,7 @@ use crate::radiometry::Rgb;
 use crate::stats::Stats;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::SampleSets;
+use crate::transport::openness::Openness;
 use crate::transport::propagate::{Accuracy, Gloss, LinkRecord, LinkStats, Propagation};
 use crate::transport::pull::pull;
 use crate::transport::reflect::{ReflectConfig, Reflected, reflect};
@@ -107,6 +108,7 @@ pub(crate) struct Shooting<'a> {
     accumulated: SampleSets,
     unshot: Exitant,
     cluster_gloss: Vec<Gloss>,
+    openness: Openness,
     stats: Stats,
     links: LinkStats,
 }
@@ -130,6 +132,7 @@ impl<'a> Shooting<'a> {
         }
         pull(&hierarchy, &mut unshot, settings.transport_epsilon);
         let cluster_gloss = gloss_of_clusters(prepared, &hierarchy);
+        let openness = Openness::new(&hierarchy, &prepared.occluders);
         stats.solve.phases_s.hierarchy = prepared.seconds + started.elapsed().as_secs_f64();
         Self {
             prepared,
@@ -138,6 +141,7 @@ impl<'a> Shooting<'a> {
             accumulated: SampleSets::default(),
             unshot,
             cluster_gloss,
+            openness,
             stats,
             links: LinkStats::default(),
         }
@@ -257,6 +261,7 @@ impl<'a> Shooting<'a> {
             .map(|e| e.node)
             .filter(|&id| hierarchy.is_leaf(id))
             .collect();
+        let openness = &self.openness;
         let reflected: Vec<Reflected> = leaves
             .par_iter()
             .with_max_len(64)
@@ -268,7 +273,7 @@ impl<'a> Shooting<'a> {
                     field.clear();
                     // Moved directions leave gaps in the lobes that links were refined for.
                     let glossy = prepared.lobes[material].is_some();
-                    samples.field(hierarchy, id, glossy, field);
+                    samples.field(hierarchy, id, glossy, openness, field);
                     if field.is_empty() {
                         return Reflected::default();
                     }
@@ -346,6 +351,7 @@ impl<'a> Shooting<'a> {
         solve.phases_s.visibility =
             self.links.visibility.as_secs_f64() / rayon::current_num_threads() as f64;
         solve.bytes.hierarchy = (self.hierarchy.bytes()
+            + self.openness.bytes()
             + self.prepared.occluders.bytes()
             + self.prepared.tree.bytes()) as u64;
         solve.bytes.illumination_samples = samples.bytes() as u64;

@@ -21,9 +21,6 @@ const MIXED: f32 = 0.05;
 /// Rays may differ on a link of this many times what is accepted.
 const MIXED_RAYS: f32 = 4.0;
 
-/// Strata more where rays between near ends differ: a few points of each carry most of the light.
-const NEAR_STRATA: u32 = 2;
-
 /// A partly hidden sender may be this share of what is accepted off because its radiance is uneven: such errors have
 /// one sign and add up.
 const UNEVEN: f32 = 0.03;
@@ -170,14 +167,12 @@ impl Propagation<'_> {
             sender: link.sender,
         };
         let strata = if strong { self.accuracy.strata } else { 2 };
-        let (mut transmittance, mixed) = rays.strata(strata, stats);
-        let reach = link.receiver.radius + link.sender.radius;
-        if mixed && reach > SHIFTED * link.bounds.distance {
-            transmittance = rays.strata(strata + NEAR_STRATA, stats).0;
-        }
-        if mixed && link.bounds.high > MIXED_RAYS * link.limit && self.is_refinable(link) {
+        let seen = rays.strata(strata, stats);
+        if seen.is_mixed() && link.bounds.high > MIXED_RAYS * link.limit && self.is_refinable(link)
+        {
             return Connection::Mixed;
         }
+        let transmittance = seen.transmittance();
         let sample = if transmittance.is_black() {
             None
         } else {

@@ -129,8 +129,9 @@ impl Gather<'_> {
                 None => FAINT_CLUSTER..WEAK_CLUSTER,
             };
             if strength > weak.start * limit && strength <= weak.end * limit {
-                let (transmittance, mixed) = rays.strata(2, &mut stats);
-                if !mixed {
+                let seen = rays.strata(2, &mut stats);
+                if !seen.is_mixed() {
+                    let transmittance = seen.transmittance();
                     stats.links += 1;
                     if !transmittance.is_black() {
                         sample.irradiance = sample.irradiance * transmittance;
@@ -189,14 +190,15 @@ impl Gather<'_> {
                 continue;
             }
             let strata = if strength > limit { self.strata } else { 1 };
-            let (transmittance, mixed) = rays.strata(strata, &mut stats);
-            if mixed && can_refine && strength > limit {
+            let seen = rays.strata(strata, &mut stats);
+            if seen.is_mixed() && can_refine && strength > limit {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))
                 });
                 continue;
             }
             stats.links += 1;
+            let transmittance = seen.transmittance();
             if !transmittance.is_black() {
                 samples.push(IlluminationSample {
                     irradiance: sample.irradiance * transmittance,

@@ -4,7 +4,9 @@ use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::kernel::{Kernel, transfer};
 use crate::transport::link::{Receiver, Sender, SenderId};
+use crate::transport::openness::Openness;
 use glam::Vec3;
+use std::f32::consts::PI;
 
 /// Light from one direction. The cosine at the receiver is not in it: the same sample means the same on a cluster,
 /// an element and a vertex.
@@ -47,6 +49,56 @@ impl IlluminationSample {
             irradiance: self.irradiance * share,
             spread: self.spread * share.sqrt(),
             parallax: None,
+        }
+    }
+
+    fn scaled(mut self, factor: f32) -> Self {
+        self.irradiance *= factor;
+        self
+    }
+
+    /// What a surface sees of a disc as wide as the sender that its horizon cuts. Clusters hold surfaces that face
+    /// every way: beside the cosine to the middle of a wide sender, on those that are turned away from it, there is
+    /// the part of it that they still see (closed form for a sphere above a horizon: Snyder 1996, "Area light sources
+    /// for real-time graphics").
+    fn above_horizon(&self, normal: Vec3) -> Self {
+        let cosine = self.direction.dot(normal);
+        let sine = self.spread.min(1.0);
+        if cosine >= sine {
+            return *self;
+        }
+        let seen = Self {
+            parallax: None,
+            ..*self
+        };
+        let black = Self {
+            irradiance: Rgb::BLACK,
+            ..seen
+        };
+        if cosine <= -sine {
+            return black;
+        }
+        let across = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let out = (1.0 / (sine * sine) - 1.0).max(0.0).sqrt();
+        let cut = if across > 0.0 {
+            (-out * cosine / across).clamp(-1.0, 1.0)
+        } else {
+            0.0
+        };
+        let chord = across * (1.0 - cut * cut).sqrt();
+        let share = ((cosine * cut.acos() - out * chord) * sine * sine + chord.atan2(out))
+            / (PI * sine * sine);
+        // From the middle of what is above the horizon.
+        let height = 0.5 * (cosine.asin() + sine.asin());
+        let along = (self.direction - normal * cosine).normalize_or_zero();
+        let (up, level) = height.sin_cos();
+        if share <= 0.0 || up <= 0.0 {
+            return black;
+        }
+        Self {
+            direction: (along * level + normal * up).normalize(),
+            irradiance: self.irradiance * (share / up),
+            ..seen
         }
     }
 }
@@ -127,25 +179,40 @@ impl SampleSets {
         }
     }
 
-    /// "Push": appends the samples of `id` and its ancestors to `field`, each as seen from the middle of `id`. With
-    /// `keep_directions` they change their strength only.
+    /// "Push": appends the samples of the leaf `id` and its ancestors to `field`, each as seen from its middle. With
+    /// `keep_directions` they change their strength only. What clusters received is shared out by `openness`.
     pub fn field(
         &self,
         hierarchy: &Hierarchy,
         id: NodeId,
         keep_directions: bool,
+        openness: &Openness,
         field: &mut Vec<IlluminationSample>,
     ) {
         let here = Receiver::node(hierarchy, id);
+        let normal = hierarchy
+            .element_of(id)
+            .map_or(Vec3::ZERO, |element| hierarchy.shading_normal(element));
         field.extend_from_slice(self.of(id));
         let mut at = hierarchy.node(id).parent;
+        // The whole patch, and how many clusters above its parent the walk is.
+        let (mut root, mut levels) = (id, 0);
         while at != NONE {
-            let receiver = hierarchy.node(at);
+            let is_cluster = hierarchy.element_of(at).is_none();
             field.extend(self.of(at).iter().map(|sample| match sample.parallax {
                 Some(parallax) => moved(hierarchy, sample, &parallax, &here, keep_directions),
+                None if is_cluster => {
+                    let share = openness.of_part(root, at, levels, sample.direction);
+                    sample.above_horizon(normal).scaled(share)
+                }
                 None => *sample,
             }));
-            at = receiver.parent;
+            if is_cluster {
+                levels += 1;
+            } else {
+                root = at;
+            }
+            at = hierarchy.node(at).parent;
         }
     }
 
@@ -166,5 +233,55 @@ impl SampleSets {
             .map(|s| s.capacity() * size_of::<IlluminationSample>())
             .sum::<usize>()
             + self.sets.capacity() * size_of::<Vec<IlluminationSample>>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::sampling::spread;
+    use std::f32::consts::TAU;
+
+    /// Irradiance of a disc of directions with radiance one, by the midpoints of many equal parts of it.
+    fn seen_from(direction: Vec3, sine: f32, normal: Vec3) -> f32 {
+        const POINTS: u32 = 20_000;
+        let (tangent, bitangent) = direction.any_orthonormal_pair();
+        let cap = 1.0 - (1.0 - sine * sine).sqrt();
+        let of_point = |i: u32| {
+            let at = spread(i);
+            let cosine = 1.0 - at.x * cap;
+            let (sin, cos) = (TAU * at.y).sin_cos();
+            let out = (1.0 - cosine * cosine).sqrt();
+            let towards = direction * cosine + (tangent * cos + bitangent * sin) * out;
+            towards.dot(normal).max(0.0)
+        };
+        (0..POINTS).map(of_point).sum::<f32>() / POINTS as f32 * TAU * cap
+    }
+
+    #[test]
+    fn a_horizon_cuts_a_wide_sender() {
+        let normal = Vec3::new(1.0, 2.0, -2.0) / 3.0;
+        for sine in [0.1f32, 0.4, 0.8, 1.0] {
+            for turned in [0.0f32, 0.7, 1.2, 1.5, 1.8, 2.4] {
+                let (sin, cos) = turned.sin_cos();
+                let direction = normal * cos + normal.any_orthonormal_vector() * sin;
+                let sample = IlluminationSample {
+                    direction,
+                    irradiance: Rgb::splat(PI * sine * sine),
+                    spread: sine,
+                    parallax: None,
+                };
+                let cut = sample.above_horizon(normal);
+                let got = irradiance([&cut], normal).mean();
+                let expected = seen_from(direction, sine, normal);
+                let whole = PI * sine * sine;
+                assert!(
+                    (got - expected).abs() < 2e-3 * whole,
+                    "sine {sine}, turned by {turned}: {got}, not {expected}"
+                );
+                let above = cut.direction.dot(normal);
+                assert!(got == 0.0 || above > 0.0, "{above}");
+            }
+        }
     }
 }

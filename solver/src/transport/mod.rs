@@ -7,6 +7,7 @@ pub mod illumination;
 pub mod kernel;
 pub mod link;
 mod occlusion;
+pub mod openness;
 mod point_light;
 pub mod propagate;
 pub mod pull;

@@ -13,6 +13,7 @@ use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, SampleSets};
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
 use crate::transport::region::PatchTree;
+use crate::transport::sample::is_gap;
 use crate::transport::stray::Pair;
 use crate::transport::visibility::Occluders;
 use glam::Vec3;
@@ -125,9 +126,9 @@ pub(super) fn is_near(bounds: &Bounds, receiver: &Receiver, sender: &Sender) -> 
         }
     };
     let receiver_is_cluster = receiver.normal.is_none();
-    bounds.distance
-        < reach(receiver_is_cluster, receiver.radius)
-            .max(reach(sender.polygon.is_none(), sender.radius))
+    let near = reach(receiver_is_cluster, receiver.radius)
+        .max(reach(sender.polygon.is_none(), sender.radius));
+    bounds.distance < near || is_gap(receiver, sender)
 }
 
 /// The error of a link as a share of... irradiance [W·m⁻²]: how far a sample may be from the truth.

@@ -23,13 +23,10 @@ pub(super) struct Rays<'a> {
 }
 
 impl Rays<'_> {
-    /// Mean transmittance over `side`² rays, and whether they differ.
-    pub(super) fn strata(&self, side: u32, stats: &mut LinkStats) -> (Rgb, bool) {
+    /// What `side`² rays find.
+    pub(super) fn strata(&self, side: u32, stats: &mut LinkStats) -> Passage {
         let seed = hash::mix(self.sender.id.node, self.receiver_node);
-        let mut mean = RatioMean::default();
-        // The same without the directions of the sender's radiance.
-        let mut plain = RatioMean::default();
-        let (mut least, mut most) = (f32::INFINITY, 0.0f32);
+        let mut passage = Passage::default();
         let all = side * side;
         for ray in 0..all {
             let at = |i: u32, salt: u32| {
@@ -48,49 +45,35 @@ impl Rays<'_> {
             };
             // A fixed permutation pairs strata of the two ends that are not alike.
             let seed_of = |salt: u32| hash::mix(seed, ray ^ salt);
-            let Some(to) = self.sender_point(at(ray, 10), seed_of(0)) else {
-                continue;
-            };
             let transposed = (ray % side) * side + ray / side;
             let uv = at((transposed + all / 2) % all, 20);
-            let Some(from) = self.receiver_point(uv, seed_of(0x5555), to.point) else {
+            let Some((from, to)) = self.ends((uv, seed_of(0x5555)), (at(ray, 10), seed_of(0)))
+            else {
                 continue;
             };
+            let offset = to.point - from.point;
+            let squared = offset.length_squared();
+            let direction = offset / squared.sqrt();
+            // What is near counts for more, as it does in the form factor.
+            let cosines = [from.normal.dot(direction), -to.normal.dot(direction)];
+            if squared <= 0.0 || cosines.iter().any(|&cosine| cosine <= 0.0) {
+                continue;
+            }
+            let weight = cosines[0] * cosines[1] / squared;
             let passed = self
                 .occluders
                 .transmittance(from.point, to.point, [from.patch, to.patch]);
             stats.rays += 1;
-            let offset = to.point - from.point;
-            let squared = offset.length_squared();
-            if squared <= 0.0 {
-                continue;
-            }
-            // What is near counts for more, as it does in the form factor.
-            let facing = |normal: Option<Vec3>, direction: Vec3| {
-                normal.map_or(1.0, |n| n.dot(direction).max(0.0))
-            };
-            let direction = offset / squared.sqrt();
-            let weight = from.cosine
-                * to.cosine
-                * facing(from.normal, direction)
-                * facing(to.normal, -direction)
-                / squared;
-            plain.add(passed, weight);
+            passage.plain.add(passed, weight);
             // The radiance on a link to a vertex is one.
             let weight = if all > 1 && self.receiver_node != NONE {
                 weight * self.brightness(to.node, -direction)
             } else {
                 weight
             };
-            mean.add(passed, weight);
-            least = least.min(passed.mean());
-            most = most.max(passed.mean());
+            passage.mean.add(passed, weight);
         }
-        // A cluster without a surface that faces the other end has nothing to see or to send from there.
-        match mean.get().or_else(|| plain.get()) {
-            Some(passed) => (passed, most > least),
-            None => (Rgb::BLACK, false),
-        }
+        passage
     }
 
     /// Radiance of an element towards `direction` over its mean: light passes where it is sent to.
@@ -103,7 +86,36 @@ impl Rays<'_> {
         self.exitant.towards(id, direction).mean() / mean
     }
 
-    fn sender_point(&self, uv: Vec2, seed: u32) -> Option<RayEnd> {
+    /// Both ends of a ray, given where in its strata each lies and a seed: from, to. On clusters a surface is chosen
+    /// that faces the other end; an element's point does not depend on the other.
+    fn ends(
+        &self,
+        (from, from_seed): (Vec2, u32),
+        (to, to_seed): (Vec2, u32),
+    ) -> Option<(RayEnd, RayEnd)> {
+        if let Some(from) = self.point_of_receiver(from) {
+            return Some((from, self.sender_point(to, to_seed, from.point)?));
+        }
+        let to = self.sender_point(to, to_seed, self.receiver.centre)?;
+        let area = |id: NodeId| self.hierarchy.node(id).area;
+        let from = self.surface_point(self.receiver_node, from_seed, to.point, area)?;
+        Some((from, to))
+    }
+
+    /// `None` for clusters.
+    fn point_of_receiver(&self, uv: Vec2) -> Option<RayEnd> {
+        Some(RayEnd {
+            point: match &self.receiver.polygon {
+                Some(polygon) => polygon.point(uv),
+                None => self.receiver.centre,
+            },
+            node: self.receiver_node,
+            patch: self.receiver.patch,
+            normal: self.receiver.normal?,
+        })
+    }
+
+    fn sender_point(&self, uv: Vec2, seed: u32, seen_from: Vec3) -> Option<RayEnd> {
         if let Some(polygon) = &self.sender.polygon {
             // The brighter a part, the more it counts.
             let mut polygon = *polygon;
@@ -120,38 +132,12 @@ impl Rays<'_> {
                 point: polygon.point(uv),
                 node: id,
                 patch: self.sender.patch,
-                cosine: 1.0,
-                normal: Some(self.sender.normal),
+                normal: self.sender.normal,
             });
         }
         let power = &self.exitant.power;
         let weight = |id: NodeId| power.get(id as usize).copied().unwrap_or(0.0);
-        self.surface_point(self.sender.id.node, seed, self.receiver.centre, weight)
-    }
-
-    fn receiver_point(&self, uv: Vec2, seed: u32, towards: Vec3) -> Option<RayEnd> {
-        let patch = self.receiver.patch;
-        if self.receiver.radius == 0.0 {
-            return Some(RayEnd {
-                point: self.receiver.centre,
-                node: NONE,
-                patch,
-                cosine: 1.0,
-                normal: self.receiver.normal,
-            });
-        }
-        if let Some(polygon) = &self.receiver.polygon {
-            return Some(RayEnd {
-                point: polygon.point(uv),
-                node: self.receiver_node,
-                patch,
-                cosine: 1.0,
-                normal: self.receiver.normal,
-            });
-        }
-        self.surface_point(self.receiver_node, seed, towards, |id| {
-            self.hierarchy.node(id).area
-        })
+        self.surface_point(self.sender.id.node, seed, seen_from, weight)
     }
 
     /// A point on a surface of a cluster that faces `seen_from`, if a few tries find one; nodes are chosen in
@@ -187,16 +173,44 @@ impl Rays<'_> {
             let element = self.hierarchy.element_of(id)?;
             let uv = Vec2::new(hash::unit(seed, salt + 30), hash::unit(seed, salt + 31));
             let point = element.polygon.point(uv);
-            let cosine = (seen_from - point).normalize_or_zero().dot(element.normal);
-            (cosine > 0.0).then_some(RayEnd {
+            ((seen_from - point).dot(element.normal) > 0.0).then_some(RayEnd {
                 point,
                 node: id,
                 patch: element.patch,
-                cosine,
-                normal: None,
+                normal: element.normal,
             })
         })
     }
+}
+
+/// What rays between two ends found.
+#[derive(Default)]
+pub(super) struct Passage {
+    mean: RatioMean,
+    /// The same without the directions of the sender's radiance.
+    plain: RatioMean,
+}
+
+impl Passage {
+    /// Mean transmittance. A cluster without a surface that faces the other end has nothing to see or to send from
+    /// there.
+    pub(super) fn transmittance(&self) -> Rgb {
+        let mean = self.mean.get().or_else(|| self.plain.get());
+        mean.unwrap_or(Rgb::BLACK)
+    }
+
+    /// True when rays differ.
+    pub(super) fn is_mixed(&self) -> bool {
+        let values = || self.plain.values().iter().map(|ray| ray.passed.mean());
+        values().fold(0.0, f32::max) > values().fold(f32::INFINITY, f32::min)
+    }
+}
+
+/// A ray of a mean.
+#[derive(Clone, Copy, Default)]
+struct Ray {
+    passed: Rgb,
+    weight: f32,
 }
 
 /// Rays whose leave-one-out means are kept: all that the most strata of a near link cast.
@@ -207,7 +221,7 @@ const MOST_RAYS: usize = 36;
 /// What is near passes more often and counts for more: the plain ratio Σ wt / Σ w of n rays is too small by O(1/n). The
 /// jackknife (Quenouille 1956), n r - (n - 1) mean of the r without one ray, is left with O(1/n²).
 struct RatioMean {
-    values: [(Rgb, f32); MOST_RAYS],
+    rays: [Ray; MOST_RAYS],
     count: usize,
     sum: Rgb,
     weights: f32,
@@ -216,7 +230,7 @@ struct RatioMean {
 impl Default for RatioMean {
     fn default() -> Self {
         Self {
-            values: [(Rgb::BLACK, 0.0); MOST_RAYS],
+            rays: [Ray::default(); MOST_RAYS],
             count: 0,
             sum: Rgb::BLACK,
             weights: 0.0,
@@ -225,16 +239,20 @@ impl Default for RatioMean {
 }
 
 impl RatioMean {
-    fn add(&mut self, value: Rgb, weight: f32) {
+    fn add(&mut self, passed: Rgb, weight: f32) {
         if weight <= 0.0 {
             return;
         }
         if self.count < MOST_RAYS {
-            self.values[self.count] = (value * weight, weight);
+            self.rays[self.count] = Ray { passed, weight };
         }
         self.count += 1;
-        self.sum += value * weight;
+        self.sum += passed * weight;
         self.weights += weight;
+    }
+
+    fn values(&self) -> &[Ray] {
+        &self.rays[..self.count.min(MOST_RAYS)]
     }
 
     /// `None` without values.
@@ -248,12 +266,12 @@ impl RatioMean {
         }
         let n = self.count as f32;
         let mut others = Rgb::BLACK;
-        for &(value, weight) in &self.values[..self.count] {
-            let left = self.weights - weight;
+        for ray in self.values() {
+            let left = self.weights - ray.weight;
             if left <= 0.0 {
                 return Some(plain);
             }
-            others += (self.sum - value) / left;
+            others += (self.sum - ray.passed * ray.weight) / left;
         }
         let corrected = plain * n - others * ((n - 1.0) / n);
         Some(corrected.max(Rgb::BLACK).min(Rgb::WHITE))
@@ -261,14 +279,13 @@ impl RatioMean {
 }
 
 /// A point that a ray starts or ends at.
+#[derive(Clone, Copy)]
 struct RayEnd {
     point: Vec3,
-    /// The element that it lies on; [`NONE`] for vertices.
+    /// The element that it lies on; of clusters, one of what they hold; [`NONE`] for vertices.
     node: NodeId,
     /// Whose surface does not block.
     patch: u32,
-    /// Normal of an element or a vertex.
-    normal: Option<Vec3>,
-    /// Cosine to the other end on clusters, where the sample does not hold it.
-    cosine: f32,
+    /// Normal there.
+    normal: Vec3,
 }

@@ -17,6 +17,10 @@ const CLUSTER_LIKE: f32 = 0.9;
 pub(super) const SHIFTED: f32 = 0.5;
 /// Two elements make a narrow gap when one rises above the other's plane by less than this share of its radius.
 const NARROW: f32 = 0.25;
+/// One point stands for a cluster while its radius is this share of the distance; wider ones take two along each axis.
+const WIDE: f32 = 0.2;
+/// Two points at this share of half a length integrate cubics over it (Gauss): 1/√3.
+const GAUSS: f32 = 0.577_350_3;
 /// Cosines below this change too fast to be told from one sample.
 const GRAZING: f32 = 0.05;
 
@@ -154,7 +158,15 @@ fn sample(
         weight += strength;
     };
     match (&receiver.polygon, &sender.polygon, receiver.normal) {
-        (None, ..) => from_point(receiver.centre),
+        (None, ..) if receiver.radius <= WIDE * distance => from_point(receiver.centre),
+        (None, ..) => {
+            let centre = 0.5 * (receiver.lower + receiver.upper);
+            let half = 0.5 * (receiver.upper - receiver.lower) * GAUSS;
+            for corner in 0..8 {
+                let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                from_point(centre + half * Vec3::new(sign(0), sign(1), sign(2)));
+            }
+        }
         (Some(receiving), Some(sending), Some(normal))
             if !directional
                 && is_reciprocal(receiver, sender)
@@ -222,7 +234,8 @@ fn sample(
     let spread = match sender.polygon {
         Some(_) => (normal_irradiance / PI).sqrt(),
         // A cluster fills about half of the sphere around it.
-        None => 0.7 * sine,
+        None if receiver.normal.is_some() => 0.7 * sine,
+        None => 0.7 * (sender.radius / distance).min(1.0),
     };
     if irradiance.is_black() {
         return nothing;
@@ -263,7 +276,7 @@ fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -
     }
     let kernel = Kernel::of(sender, receiver);
     let mean = transfer(sender, receiver, kernel).dot(normal);
-    if mean <= 0.0 || is_close(receiver, sender) && is_gap(receiver, sender) {
+    if mean <= 0.0 || is_gap(receiver, sender) {
         return None;
     }
     Some(Parallax {
@@ -273,14 +286,17 @@ fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -
     })
 }
 
-/// True when two elements face each other across a narrow gap: what they exchange is all in a few places, which the
-/// points of a link and their visibility may not stand for.
-fn is_gap(receiver: &Receiver, sender: &Sender) -> bool {
+/// True when two close elements face each other across a narrow gap: what they exchange is all in a few places, which
+/// the points of a link and their visibility may not stand for.
+pub(super) fn is_gap(receiver: &Receiver, sender: &Sender) -> bool {
     let (Some(receiving), Some(sending), Some(normal)) =
         (&receiver.polygon, &sender.polygon, receiver.normal)
     else {
         return false;
     };
+    if !is_close(receiver, sender) {
+        return false;
+    }
     let height = |polygon: &Polygon, origin: Vec3, normal: Vec3| {
         let heights = polygon.corners().iter().map(|&c| (c - origin).dot(normal));
         heights.fold(0.0, f32::max)

@@ -1,0 +1,85 @@
+//! Clusters that receive light: what of it reaches the surfaces that they hold.
+#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::print_stdout, reason = "figures are read from the output")]
+
+use glam::Vec3;
+use sheen_solver::{Quality, Solution, SolveConfig, solve};
+use sheen_tests::scenes::Builder;
+
+/// Tables along each side of a field.
+const SIDE: u32 = 6;
+
+/// Largest error of the mean irradiance, as a share of what tables get: how open a square is does not tell in which
+/// directions.
+const MOST: f32 = 0.25;
+
+/// Square that faces up, or down.
+fn square(builder: &mut Builder, middle: Vec3, half: f32, up: bool, material: u32) {
+    let corner = |x: f32, z: f32| middle + Vec3::new(x, 0.0, z) * half;
+    let (x, z) = if up { (-1.0, 1.0) } else { (1.0, -1.0) };
+    let corners = [
+        corner(-1.0, -1.0),
+        corner(x, z),
+        corner(1.0, 1.0),
+        corner(z, x),
+    ];
+    builder.quad(corners, material);
+}
+
+/// Mean radiance of what faces up and has a material.
+fn mean(solution: &Solution, material: u32) -> f32 {
+    let is_own = |&v: &usize| solution.material[v] == material && solution.normal[v].y > 0.0;
+    let own = || (0..solution.position.len()).filter(is_own);
+    own().map(|v| solution.radiance[v].mean()).sum::<f32>() / own().count() as f32
+}
+
+#[test]
+fn tables_get_what_the_shelves_below_them_do_not() {
+    let mut builder = Builder::new();
+    let lamp = builder.lambert("lamp", 0.0, 1.0);
+    let top = builder.lambert("top", 0.5, 0.0);
+    let shelf = builder.lambert("shelf", 0.5, 0.0);
+    for i in 0..9 {
+        let at = Vec3::new((i % 3) as f32 - 1.0, 1.5, (i / 3) as f32 - 1.0);
+        square(&mut builder, at * 2.0, 1.0, false, lamp);
+    }
+    for i in 0..SIDE * SIDE {
+        let place = |k: u32| k as f32 * 0.1 - 0.05 * (SIDE - 1) as f32;
+        let at = Vec3::new(place(i % SIDE), 0.0, place(i / SIDE));
+        square(&mut builder, at, 0.03, true, top);
+        square(&mut builder, at - Vec3::Y * 0.015, 0.03, true, shelf);
+    }
+    let scene = builder.build();
+    // No light gathered at vertices: they show what transport found.
+    let solved = |tolerance: f32| {
+        let config = SolveConfig {
+            quality: Quality::DRAFT,
+            link_tolerance: Some(tolerance),
+            ..SolveConfig::default()
+        };
+        solve(&scene, &config, &mut ()).unwrap()
+    };
+    // The field as a few clusters, and every square by itself.
+    let (coarse, fine) = (solved(3e-4), solved(1e-9));
+    let links = |solution: &Solution| {
+        let solve = &solution.stats.solve;
+        (solve.links, solve.patch_links)
+    };
+    println!(
+        "links, between patches: {:?}, {:?}",
+        links(&coarse),
+        links(&fine)
+    );
+    let whole = mean(&fine, top);
+    for (name, material) in [("tops", top), ("shelves", shelf)] {
+        let (got, expected) = (
+            mean(&coarse, material) / whole,
+            mean(&fine, material) / whole,
+        );
+        println!("{name}: {got:.3}, alone {expected:.3}");
+        assert!(
+            (got - expected).abs() < MOST,
+            "{name}: {got}, not {expected}"
+        );
+    }
+}
