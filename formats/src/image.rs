@@ -3,7 +3,10 @@
 use crate::error::FormatError;
 use crate::file;
 use ::image::ImageEncoder;
-use exr::prelude::{Encoding, ReadChannels, ReadLayers, SpecificChannels, Vec2, WritableImage};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, ImageAttributes, IntegerBounds, Layer,
+    LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImage,
+};
 use sheen_solver::Rgb;
 use std::io::Cursor;
 use std::path::Path;
@@ -49,26 +52,37 @@ fn check_size(
 /// Errors: a size that does not match the pixels or is over [`LARGEST_SIDE`]; a pixel that is not finite; what the
 /// operating system refuses.
 pub fn write_exr(path: &Path, image: &Image) -> Result<(), FormatError> {
+    write_exr_with(path, image, None)
+}
+
+/// The same with the variance of each pixel as a second part, `variance`, if it is given: of the same size as the
+/// image. Programs that know one part read the image.
+pub fn write_exr_with(
+    path: &Path,
+    image: &Image,
+    variance: Option<&Image>,
+) -> Result<(), FormatError> {
     let (width, height) = (image.width as usize, image.height as usize);
-    check_size(path, width, height, Some(image.pixels.len()))?;
-    check_finite(path, &image.pixels)?;
-    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
-        let Rgb { r, g, b } = image.pixels[at.y() * width + at.x()];
-        (r, g, b)
-    });
-    let encoding = Encoding {
-        compression: exr::compression::Compression::ZIP16,
-        blocks: exr::image::Blocks::ScanLines,
-        line_order: exr::meta::attribute::LineOrder::Increasing,
-    };
-    let layer = exr::image::Layer::new(
-        (width, height),
-        exr::meta::header::LayerAttributes::default(),
-        encoding,
-        channels,
-    );
+    let mut layers = Vec::new();
+    for (name, part) in [("radiance", Some(image)), ("variance", variance)] {
+        let Some(part) = part else { continue };
+        check_size(path, width, height, Some(part.pixels.len()))?;
+        check_finite(path, &part.pixels)?;
+        layers.push(Layer::new(
+            (width, height),
+            LayerAttributes::named(name),
+            Encoding {
+                compression: exr::compression::Compression::ZIP16,
+                blocks: exr::image::Blocks::ScanLines,
+                line_order: exr::meta::attribute::LineOrder::Increasing,
+            },
+            channels(&part.pixels),
+        ));
+    }
+    let bounds = IntegerBounds::from_dimensions((width, height));
+    let parts = exr::image::Image::from_layers(ImageAttributes::new(bounds), layers);
     let mut bytes = Cursor::new(Vec::new());
-    exr::image::Image::from_layer(layer)
+    parts
         .write()
         .non_parallel()
         .to_buffered(&mut bytes)
@@ -76,6 +90,15 @@ pub fn write_exr(path: &Path, image: &Image) -> Result<(), FormatError> {
             FormatError::content(path, format!("the image could not be encoded: {error}"))
         })?;
     file::write_whole(path, |writer| writer.write_all(bytes.get_ref()))
+}
+
+fn channels(pixels: &[Rgb]) -> AnyChannels<FlatSamples> {
+    let channel = |(index, name): (usize, &str)| {
+        let samples = pixels.iter().map(|pixel| pixel.to_array()[index]).collect();
+        AnyChannel::new(name, FlatSamples::F32(samples))
+    };
+    let names = ["R", "G", "B"].into_iter().enumerate();
+    AnyChannels::sort(names.map(channel).collect())
 }
 
 fn check_finite(path: &Path, pixels: &[Rgb]) -> Result<(), FormatError> {
@@ -89,9 +112,9 @@ fn check_finite(path: &Path, pixels: &[Rgb]) -> Result<(), FormatError> {
     ))
 }
 
-/// Reads an OpenEXR image of one part with channels R, G, B (others are ignored) in half or single precision.
+/// Reads the first part of an OpenEXR image, with channels R, G, B (others are ignored) in half or single precision.
 ///
-/// Errors: no OpenEXR, damaged, deep, of several parts, a missing channel, larger than [`LARGEST_SIDE`], an image
+/// Errors: no OpenEXR, damaged, deep, a missing channel, larger than [`LARGEST_SIDE`], an image
 /// that does not fill its display window, pixels that are not finite.
 pub fn read_exr(path: &Path) -> Result<Image, FormatError> {
     let bytes = file::read_bytes(path, LARGEST_FILE)?;
@@ -120,12 +143,8 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<Image, FormatError> {
     };
     // Sizes and channels are checked before anything is allocated for them.
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(fault)?;
-    let [header] = &meta.headers[..] else {
-        let message = format!(
-            "has {} parts, expected an image of one part",
-            meta.headers.len()
-        );
-        return Err(FormatError::content(path, message));
+    let Some(header) = meta.headers.first() else {
+        return Err(FormatError::content(path, "has no part, expected an image"));
     };
     if header.deep {
         return Err(FormatError::content(

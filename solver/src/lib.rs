@@ -13,6 +13,7 @@ mod export;
 pub mod geometry;
 pub mod hierarchy;
 pub mod normalise;
+pub mod path;
 pub mod radiometry;
 pub mod scene;
 pub mod solution;
@@ -22,6 +23,7 @@ pub mod transport;
 
 pub use config::Quality;
 pub use error::{SceneError, SolveError};
+pub use path::PathTracer;
 pub use radiometry::Rgb;
 pub use scene::{Camera, Gloss, Material, PointLight, Scene, SceneParts, Triangle};
 pub use solution::Solution;

@@ -89,6 +89,11 @@ impl Normalised {
         }
     }
 
+    /// The normalised coordinates of a position in metres.
+    pub fn normalised(&self, position: Vec3) -> Vec3 {
+        (position - self.centre) * self.length
+    }
+
     /// A position in metres.
     pub fn position(&self, normalised: Vec3) -> Vec3 {
         normalised / self.length + self.centre

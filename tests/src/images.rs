@@ -31,6 +31,8 @@ pub struct Reference {
     pub image: Image,
     /// Its relMSE after averaging blocks of 2 × 2 pixels, from the file beside it.
     pub noise_down2: f64,
+    /// Root mean square of its noise, from there too.
+    pub noise_rmse: f64,
 }
 
 impl Reference {
@@ -44,10 +46,14 @@ impl Reference {
         let text = std::fs::read_to_string(folder.join(format!("{name}.json")));
         let facts: serde_json::Value =
             serde_json::from_str(&text.unwrap_or_default()).unwrap_or_default();
-        let noise = facts["noise_relmse_down2"].as_f64();
+        let figure = |key: &str| {
+            let found = facts[key].as_f64();
+            found.unwrap_or_else(|| panic!("{name}.json: no {key}"))
+        };
         Self {
             image,
-            noise_down2: noise.unwrap_or_else(|| panic!("{name}.json: no noise_relmse_down2")),
+            noise_down2: figure("noise_relmse_down2"),
+            noise_rmse: figure("noise_rmse"),
         }
     }
 

@@ -151,6 +151,35 @@ impl Builder {
     }
 }
 
+/// `scene` with all lengths times `length`; lights keep their radiance.
+pub fn longer(scene: &Scene, length: f32) -> Scene {
+    let mut parts = scene.clone().into_parts();
+    parts.points.iter_mut().for_each(|point| *point *= length);
+    for light in &mut parts.point_lights {
+        light.position *= length;
+        // W/sr over m²: intensity grows with the square.
+        light.intensity *= length;
+        light.intensity *= length;
+    }
+    for camera in &mut parts.cameras {
+        camera.eye *= length;
+        camera.target *= length;
+    }
+    Builder { parts }.build()
+}
+
+/// `scene` with all lights times `factor`.
+pub fn brighter(scene: &Scene, factor: f32) -> Scene {
+    let mut parts = scene.clone().into_parts();
+    for material in &mut parts.materials {
+        material.emission *= factor;
+    }
+    for light in &mut parts.point_lights {
+        light.intensity *= factor;
+    }
+    Builder { parts }.build()
+}
+
 /// A closed cube of `side` [m] of one reflectance, whose ceiling (+y) emits radiance 1/π: exitance 1 W/m².
 pub fn cube_with_lit_ceiling(side: f32, reflectance: f32) -> Scene {
     let mut builder = Builder::new();

@@ -90,19 +90,7 @@ fn lengths_times_a_power_of_two_leave_radiance_bitwise_the_same() {
         assert!(!plain.distribution_words.is_empty());
         for exponent in [20, -20] {
             let length = 2f32.powi(exponent);
-            let mut parts = scene.clone().into_parts();
-            parts.points.iter_mut().for_each(|point| *point *= length);
-            for light in &mut parts.point_lights {
-                light.position *= length;
-                // W/sr over m²: intensity grows with the square.
-                light.intensity *= length;
-                light.intensity *= length;
-            }
-            for camera in &mut parts.cameras {
-                camera.eye *= length;
-                camera.target *= length;
-            }
-            let scaled = solved(&Scene::new(parts, false).unwrap().0, None);
+            let scaled = solved(&scenes::longer(&scene, length), None);
             assert_scaled(
                 &format!("{name}, 2^{exponent} m"),
                 &plain,
@@ -120,14 +108,7 @@ fn lights_times_a_power_of_two_scale_radiance_bit_for_bit() {
         let plain = solved(&scene, None);
         for exponent in [30, -30] {
             let factor = 2f32.powi(exponent);
-            let mut parts = scene.clone().into_parts();
-            for material in &mut parts.materials {
-                material.emission *= factor;
-            }
-            for light in &mut parts.point_lights {
-                light.intensity *= factor;
-            }
-            let scaled = solved(&Scene::new(parts, false).unwrap().0, None);
+            let scaled = solved(&scenes::brighter(&scene, factor), None);
             assert_scaled(
                 &format!("{name}, lights times 2^{exponent}"),
                 &plain,

@@ -68,7 +68,7 @@ fn usage_errors_exit_with_2() {
 fn bad_input_is_one_line_and_exits_with_1() {
     let folder = folder_with_room();
     std::fs::write(folder.path().join("broken.sheen"), b"not a solution").unwrap();
-    let cases: [(&[&str], &str); 8] = [
+    let cases: [(&[&str], &str); 10] = [
         (&["info", "missing.sheen"], "missing.sheen"),
         (&["info", "broken.sheen"], "broken.sheen"),
         (
@@ -91,6 +91,14 @@ fn bad_input_is_one_line_and_exits_with_1() {
                 "1,2,3",
             ],
             "same point",
+        ),
+        (
+            &["render", "room.sheen", "--way", "path", "-o", "a.exr"],
+            "is a solution, expected a scene",
+        ),
+        (
+            &["render", "room.sheen", "--spp", "2000", "-o", "a.exr"],
+            "expected at most 1024",
         ),
         (&["compare", "missing.exr", "missing.exr"], "missing.exr"),
         (&["walk", "missing.sheen"], "missing.sheen"),
@@ -165,6 +173,42 @@ fn the_processor_renders_what_the_device_renders() {
     assert!(figures["flip"].as_f64().unwrap() < 1e-3, "{figures}");
     let map = image::open(folder.path().join("map.png")).unwrap();
     assert_eq!((map.width(), map.height()), (160, 120));
+}
+
+#[test]
+fn paths_give_the_same_picture_for_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../scenes/cornell_box_glossy/cornell_box_glossy.obj"
+    );
+    let traced = |name: &str, more: &[&str]| {
+        let arguments = [
+            "render", scene, "--way", "path", "--size", "40x30", "-o", name,
+        ];
+        let output = sheen(folder.path(), &[&arguments[..], more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        (
+            text(&output.stdout),
+            std::fs::read(folder.path().join(name)).unwrap(),
+        )
+    };
+    let (said, one) = traced("1.exr", &["--spp", "16", "--threads", "1"]);
+    assert!(said.contains("16 paths a pixel"), "{said}");
+    for threads in ["2", "8"] {
+        let (_, other) = traced("n.exr", &["--spp", "16", "--threads", threads]);
+        assert!(one == other, "{threads} threads");
+    }
+    let (_, other) = traced("s.exr", &["--spp", "16", "--seed", "1"]);
+    assert!(one != other, "another seed");
+    // The picture, and the variance beside it.
+    let holds = |bytes: &[u8], name: &[u8]| bytes.windows(name.len()).any(|part| part == name);
+    assert!(holds(&one, b"variance"));
+    let image = sheen_formats::image::read_exr(&folder.path().join("1.exr")).unwrap();
+    assert_eq!((image.width, image.height), (40, 30));
+    assert!(image.pixels.iter().any(|pixel| !pixel.is_black()));
+    let (said, _) = traced("t.exr", &["--time-limit", "0.2s"]);
+    assert!(said.contains("paths a pixel"), "{said}");
 }
 
 #[test]

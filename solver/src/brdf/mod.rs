@@ -2,6 +2,7 @@
 
 mod fast;
 mod phong;
+mod sampling;
 mod ward;
 
 use crate::radiometry::Rgb;

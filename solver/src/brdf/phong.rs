@@ -15,6 +15,18 @@ pub(super) fn power(exponent: f32, mirror_dot: f32) -> f32 {
     if mirror_dot > 0.0 { power } else { 0.0 }
 }
 
+/// Sine and cosine of the angle to the mirror direction that belongs to `at` in [0, 1): density (n+1)/2π cosⁿα.
+pub(super) fn sample_angle(exponent: f32, at: f32) -> (f32, f32) {
+    let log = (1.0 - at).ln() / (exponent + 1.0);
+    // 1 - cos²α without cancellation.
+    ((-(2.0 * log).exp_m1()).max(0.0).sqrt(), log.exp())
+}
+
+/// Density of [`sample_angle`] for the cosine of the angle to the mirror direction [sr⁻¹].
+pub(super) fn density(exponent: f32, mirror_dot: f32) -> f32 {
+    (exponent + 1.0) / TAU * power(exponent, mirror_dot)
+}
+
 /// Angle at which the lobe has `share` of its peak [rad]; at most a right angle.
 pub(super) fn angle_of(exponent: f32, share: f32) -> f32 {
     if exponent <= 0.0 {

@@ -21,6 +21,23 @@ pub(super) fn bell(sharpness: f32, cos_i: f32, cos_o: f32, wi_dot_wo: f32) -> f3
     fast::exp2(-sharpness * tan_squared) * length_squared / (height_squared * height_squared)
 }
 
+/// Sine and cosine of the angle between half vector and normal that belongs to `at` in [0, 1): density
+/// exp(-tan²δ/α²)/(π α² cos³δ).
+pub(super) fn sample_angle(roughness: f32, at: f32) -> (f32, f32) {
+    let tan = roughness * (-(1.0 - at).ln()).max(0.0).sqrt();
+    let cosine = 1.0 / (1.0 + tan * tan).sqrt();
+    (tan * cosine, cosine)
+}
+
+/// Density of the direction mirrored about a half vector with cosine `half_dot` to the normal and `between` to both
+/// directions [sr⁻¹].
+pub(super) fn density(roughness: f32, half_dot: f32, between: f32) -> f32 {
+    let a = roughness * roughness;
+    let squared = half_dot * half_dot;
+    let bell = (-(1.0 - squared).max(0.0) / (squared * a)).exp();
+    bell / (PI * a * squared * half_dot * 4.0 * between.max(f32::MIN_POSITIVE))
+}
+
 /// Angle from the mirror direction beyond which the lobe is surely below `share` of its peak [rad]: turning h by δ
 /// turns the mirrored direction by at most 2δ.
 pub(super) fn angle_of(roughness: f32, share: f32) -> f32 {

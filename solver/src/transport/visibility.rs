@@ -16,6 +16,13 @@ pub const NO_PATCH: u32 = crate::hierarchy::NONE;
 /// through rounding.
 const END_GAP: f32 = 128.0 * f32::EPSILON;
 
+/// The tree misses what is nearer than 1e-4, whatever the scene: in coordinates of this many times the normalised ones
+/// that is below rounding. A power of two.
+const SCALE: f32 = 8192.0;
+
+/// Rounding of a point on a surface in normalised coordinates.
+const LEAST_GAP: f32 = 2.0 * f32::EPSILON;
+
 #[derive(Clone, Copy, Debug)]
 struct Face {
     corner: Vec3A,
@@ -50,6 +57,20 @@ impl Face {
     }
 }
 
+fn scaled(point: Vec3) -> Vec3A {
+    (point * SCALE).into()
+}
+
+/// The part of a ray along unit `direction` between two distances.
+fn ray(from: Vec3, direction: Vec3, span: [f32; 2]) -> Ray {
+    Ray::new(
+        scaled(from),
+        direction.into(),
+        span[0] * SCALE,
+        span[1] * SCALE,
+    )
+}
+
 /// All surfaces of a scene as occluders.
 pub struct Occluders {
     bvh: CwBvh,
@@ -76,7 +97,7 @@ pub struct Hit {
     pub patch: u32,
     /// The ray meets its back.
     pub back: bool,
-    /// In units of the ray's direction.
+    /// How far.
     pub distance: f32,
 }
 
@@ -85,7 +106,7 @@ impl Occluders {
     pub fn new(triangles: &[Occluder]) -> Self {
         let boxes: Vec<Aabb> = triangles
             .iter()
-            .map(|t| Aabb::from_points(&t.corners.map(Vec3A::from)))
+            .map(|t| Aabb::from_points(&t.corners.map(scaled)))
             .collect();
         let params = BvhBuildParams {
             pre_split: false,
@@ -98,7 +119,7 @@ impl Occluders {
             .iter()
             .map(|&index| {
                 let triangle = &triangles[index as usize];
-                let [a, b, c] = triangle.corners.map(Vec3A::from);
+                let [a, b, c] = triangle.corners.map(scaled);
                 let (edge1, edge2) = (a - b, c - a);
                 let tint = if triangle.transmission.is_black() {
                     NO_PATCH
@@ -126,19 +147,39 @@ impl Occluders {
     /// they are planar and the points lie on them. Of several surfaces in the same place as `to`, one is seen: the
     /// first patch; or what lies in one plane twice would send its light twice.
     pub fn transmittance(&self, from: Vec3, to: Vec3, ends: [u32; 2]) -> Rgb {
-        let ray = Ray::new(from.into(), (to - from).into(), END_GAP, 1.0 + END_GAP);
-        self.along(ray, ends)
+        let (direction, length) = (to - from).normalize_and_length();
+        let span = [END_GAP * length, (1.0 + END_GAP) * length];
+        let end = (1.0 - END_GAP) * length;
+        self.along(ray(from, direction, span), ends, Some((end, ends[1])))
+    }
+
+    /// The same, of what lies strictly in between, however near to the ends: in a corner the other wall is within the
+    /// usual gap. A neighbour in the plane of an end may block through rounding, where the end is within that of it.
+    pub fn strict_transmittance(&self, from: Vec3, to: Vec3, ends: [u32; 2]) -> Rgb {
+        let (direction, length) = (to - from).normalize_and_length();
+        let span = [LEAST_GAP, length - LEAST_GAP];
+        self.along(ray(from, direction, span), ends, None)
     }
 
     /// What part of the light that leaves `from` on patch `origin` towards `direction` escapes from the scene.
     pub fn escape(&self, from: Vec3, direction: Vec3, origin: u32) -> Rgb {
-        let ray = Ray::new(from.into(), direction.into(), END_GAP, f32::MAX);
-        self.along(ray, [origin, NO_PATCH])
+        let ray = ray(from, direction, [END_GAP, f32::INFINITY]);
+        self.along(ray, [origin, NO_PATCH], None)
     }
 
     /// The first opaque surface that a ray from `from` on patch `origin` towards `direction` meets.
     pub fn first_hit(&self, from: Vec3, direction: Vec3, origin: u32) -> Option<Hit> {
-        let ray = Ray::new(from.into(), direction.into(), END_GAP, f32::MAX);
+        self.hit_beyond(END_GAP, from, direction, origin)
+    }
+
+    /// The same, however near: in a corner a ray meets the other wall within the usual gap. A neighbour in the same plane
+    /// may be met through rounding by rays that start within rounding of it.
+    pub fn nearest_hit(&self, from: Vec3, direction: Vec3, origin: u32) -> Option<Hit> {
+        self.hit_beyond(LEAST_GAP, from, direction, origin)
+    }
+
+    fn hit_beyond(&self, gap: f32, from: Vec3, direction: Vec3, origin: u32) -> Option<Hit> {
+        let ray = ray(from, direction, [gap, f32::INFINITY]);
         let mut hit = RayHit::none();
         let found = self.bvh.ray_traverse(ray, &mut hit, |ray, id| {
             let face = &self.faces[id];
@@ -154,12 +195,13 @@ impl Occluders {
             Hit {
                 patch: face.patch,
                 back: face.normal.dot(direction.into()) < 0.0,
-                distance: hit.t,
+                distance: hit.t / SCALE,
             }
         })
     }
 
-    fn along(&self, ray: Ray, ends: [u32; 2]) -> Rgb {
+    /// `end`: from this distance on, patches after this one do not block.
+    fn along(&self, ray: Ray, ends: [u32; 2], end: Option<(f32, u32)>) -> Rgb {
         let mut passed = Rgb::WHITE;
         let missed = self.bvh.ray_traverse_miss(ray, |ray, id| {
             let face = &self.faces[id];
@@ -167,7 +209,7 @@ impl Occluders {
                 return f32::INFINITY;
             }
             let t = face.intersect(ray);
-            if t > 1.0 - END_GAP && ray.tmax < 2.0 && face.patch > ends[1] {
+            if end.is_some_and(|(near, first)| t > near * SCALE && face.patch > first) {
                 return f32::INFINITY;
             }
             if face.tint != NO_PATCH && t < f32::INFINITY {
@@ -231,5 +273,47 @@ mod tests {
             occluders.transmittance(from, beyond, [7, NO_PATCH]),
             tint * tint
         );
+    }
+
+    #[test]
+    fn rays_from_the_edges_of_a_box_meet_its_other_walls() {
+        let corner =
+            |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32) - 0.5;
+        let walls = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let triangle = |(patch, corners): (usize, [u32; 3])| Occluder {
+            corners: corners.map(corner),
+            patch: patch as u32,
+            transmission: Rgb::BLACK,
+        };
+        let triangles = walls
+            .iter()
+            .flat_map(|w| [[w[0], w[1], w[2]], [w[0], w[2], w[3]]]);
+        let triangles: Vec<Occluder> = triangles.enumerate().map(triangle).collect();
+        let occluders = Occluders::new(&triangles);
+        for i in 0..40_000 {
+            let unit = |salt: u32| crate::geometry::hash::unit(i, salt);
+            // On the first edge of a triangle's wall, and a little inwards: nearer than the tree's own tolerance.
+            let origin = (i % 12) & !1;
+            let [a, b, c] = triangles[origin as usize].corners;
+            let (along, across) = ((b - a).normalize(), (c - b).normalize());
+            let from = a + along * (0.1 + 0.8 * unit(0)) + across * (1e-6 + 1e-4 * unit(1));
+            let normal = along.cross(across);
+            let inwards = if normal.dot(a) > 0.0 { -normal } else { normal };
+            let direction = inwards * (0.05 + unit(2)) + along * (unit(3) - 0.5) - across * unit(4);
+            let direction = direction.normalize();
+            let hit = occluders.nearest_hit(from, direction, origin);
+            assert!(hit.is_some(), "from {from} towards {direction}");
+            // And what is behind that wall is hidden.
+            let passed =
+                occluders.strict_transmittance(from, from + direction * 2.0, [origin, NO_PATCH]);
+            assert!(passed.is_black(), "from {from} towards {direction}");
+        }
     }
 }

@@ -5,7 +5,7 @@ use anyhow::Context;
 use sheen_formats::{LoadOptions, Loaded};
 use sheen_solver::{Camera, Quality, Solution, SolveConfig};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Settings of a solve, shared by every subcommand that may have to solve.
 #[derive(Clone, Debug, clap::Args)]
@@ -31,6 +31,26 @@ pub(super) struct SolveArgs {
 }
 
 impl SolveArgs {
+    pub(super) fn is_lenient(&self) -> bool {
+        self.lenient
+    }
+
+    pub(super) fn time_limit(&self) -> Option<Duration> {
+        self.time_limit.map(Duration::from_secs_f64)
+    }
+
+    /// Runs `work` on as many threads as were asked for.
+    pub(super) fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> anyhow::Result<T> {
+        let Some(threads) = self.threads else {
+            return Ok(work());
+        };
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(threads))
+            .build()
+            .with_context(|| format!("--threads {threads}"))?;
+        Ok(pool.install(work))
+    }
+
     fn config(&self) -> SolveConfig {
         SolveConfig {
             quality: self.quality,

@@ -1,11 +1,13 @@
 //! `sheen render SCENE|SOLUTION -o I.exr|png`
 
-use super::{input, note, values};
+use super::{input, note, progress, values};
 use crate::camera::View;
+use crate::ways::path::{Budget, trace};
 use crate::{tonemap, ways};
 use anyhow::Context;
 use glam::Vec3;
-use sheen_solver::{Camera, Solution};
+use sheen_formats::image::Image;
+use sheen_solver::{Camera, PathTracer};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -36,9 +38,13 @@ pub(super) struct Args {
     /// Pixels [default: as the camera]
     #[arg(long, value_parser = values::size, value_name = "WxH")]
     size: Option<(u32, u32)>,
-    /// Samples per pixel, rounded up to a square
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1024), value_name = "N")]
-    spp: u32,
+    /// Samples per pixel: of a solution [default: 16] rounded up to a square, at most 1024; of paths [default: 64, or
+    /// as many as --time-limit gives]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=MOST_PATHS), value_name = "N")]
+    spp: Option<u32>,
+    /// Other random numbers for paths
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u32,
     /// Factor before display encoding (PNG) [default: .8 over the 95th percentile of luminance]
     #[arg(long, value_parser = values::positive, value_name = "FACTOR")]
     exposure: Option<f64>,
@@ -53,7 +59,17 @@ pub(super) struct Args {
 enum Way {
     /// The precomputed solution
     Solution,
+    /// Path tracing on the processor: unbiased, noisy
+    Path,
 }
+
+/// Most samples per pixel, of paths.
+const MOST_PATHS: i64 = 1 << 24;
+/// And of a solution, which has no noise.
+const MOST_OF_SOLUTION: u32 = 1024;
+/// Samples per pixel unless told.
+const OF_SOLUTION: u32 = 16;
+const OF_PATHS: u32 = 64;
 
 #[derive(Clone, Debug, PartialEq)]
 enum Output {
@@ -82,8 +98,8 @@ fn output(text: &str) -> Result<Output, String> {
     }
 }
 
-fn camera(args: &Args, solution: &Solution) -> anyhow::Result<Camera> {
-    let mut camera = input::camera(&solution.cameras, args.camera.as_deref())?;
+fn camera(args: &Args, cameras: &[Camera]) -> anyhow::Result<Camera> {
+    let mut camera = input::camera(cameras, args.camera.as_deref())?;
     if let (Some(eye), Some(target)) = (args.eye, args.target) {
         camera.name = "command line".to_owned();
         (camera.eye, camera.target) = (eye, target);
@@ -98,20 +114,81 @@ fn camera(args: &Args, solution: &Solution) -> anyhow::Result<Camera> {
     Ok(camera)
 }
 
-pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let Way::Solution = args.way;
-    input::check_output(args.output.path())?;
+/// A picture, and how it came about.
+struct Picture {
+    image: Image,
+    variance: Option<Image>,
+    camera: String,
+    how: String,
+}
+
+fn from_solution(args: &Args) -> anyhow::Result<Picture> {
+    let spp = args.spp.unwrap_or(OF_SOLUTION);
+    anyhow::ensure!(
+        spp <= MOST_OF_SOLUTION,
+        "--spp {spp}: expected at most {MOST_OF_SOLUTION} for a solution, which has no noise"
+    );
     let solution = input::solution(&args.input, &args.solve).map(Box::new)?;
-    let camera = camera(args, &solution)?;
+    let camera = camera(args, &solution.cameras)?;
     let view =
         View::new(&camera, solution.bounds()).with_context(|| args.input.display().to_string())?;
-    let rendered = ways::render(&solution, &view, ways::samples_across(args.spp), args.cpu);
+    let rendered = ways::render(&solution, &view, ways::samples_across(spp), args.cpu);
     if let Some(reason) = &rendered.fallback {
         note(&format!("{reason}; rendering on the processor instead"));
     }
-    let image = &rendered.image;
+    Ok(Picture {
+        image: rendered.image,
+        variance: None,
+        camera: camera.name,
+        how: format!("on {}", rendered.device),
+    })
+}
+
+fn by_paths(args: &Args) -> anyhow::Result<Picture> {
+    anyhow::ensure!(
+        !input::is_solution(&args.input),
+        "{}: is a solution, expected a scene: paths are traced through its surfaces",
+        args.input.display()
+    );
+    let scene = input::load_scene(&args.input, args.solve.is_lenient())?.scene;
+    let camera = camera(args, scene.cameras())?;
+    let view =
+        View::new(&camera, scene.bounds()).with_context(|| args.input.display().to_string())?;
+    let time_limit = args.solve.time_limit();
+    let budget = Budget {
+        samples: match (args.spp, time_limit) {
+            (Some(spp), _) => spp,
+            (None, Some(_)) => MOST_PATHS as u32,
+            (None, None) => OF_PATHS,
+        },
+        time_limit,
+    };
+    progress::catch_interrupts();
+    let mut observer = progress::TerminalObserver::new();
+    let tracer = PathTracer::new(&scene);
+    let traced = args
+        .solve
+        .on_threads(|| trace(&tracer, &view, budget, args.seed, &mut observer))?;
+    observer.finish();
+    Ok(Picture {
+        image: traced.image,
+        variance: traced.variance,
+        camera: camera.name,
+        how: format!("{} paths a pixel", traced.samples),
+    })
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    input::check_output(args.output.path())?;
+    let picture = match args.way {
+        Way::Solution => from_solution(args)?,
+        Way::Path => by_paths(args)?,
+    };
+    let image = &picture.image;
     match &args.output {
-        Output::Exr(path) => sheen_formats::image::write_exr(path, image)?,
+        Output::Exr(path) => {
+            sheen_formats::image::write_exr_with(path, image, picture.variance.as_ref())?;
+        }
         Output::Png(path) => {
             let exposure = args
                 .exposure
@@ -121,11 +198,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         }
     }
     super::print(&format!(
-        "{}: {}x{}, camera '{}', on {}\n",
+        "{}: {}x{}, camera '{}', {}\n",
         args.output.path().display(),
         image.width,
         image.height,
-        camera.name,
-        rendered.device
+        picture.camera,
+        picture.how
     ))
 }

@@ -1,7 +1,8 @@
-//! Ways of making an image from a solution.
+//! Ways of making an image, from a solution or from a scene.
 
 pub mod chunks;
 pub mod cpu;
+pub mod path;
 pub mod solution;
 
 use crate::camera::View;
