@@ -8,15 +8,18 @@ use crate::scene::Triangle;
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// A side of a triangle, or a point.
+/// Where light comes from.
+enum Shape {
+    /// A side of the triangle with this number: a corner, and the edges from it in the order that makes the side the
+    /// front.
+    Side(u32, [Vec3; 3]),
+    /// A point.
+    Point(Vec3),
+}
+
 struct Light {
-    /// Corner and edges of a triangle, in the order that makes its emitting side the front.
-    shape: Option<[Vec3; 3]>,
-    /// Triangle, or [`NONE`].
-    triangle: u32,
-    /// A point light.
-    position: Vec3,
-    /// Radiance, or a point light's intensity.
+    shape: Shape,
+    /// Radiance, or a point's intensity.
     emission: Rgb,
     /// Sum of the shares of all lights up to this one.
     up_to: f64,
@@ -52,12 +55,13 @@ impl Lights {
         let mut lights: Vec<Light> = Vec::new();
         let mut emission = vec![None; triangles.len()];
         let mut power = 0.0f64;
-        let mut add = |light: Light, own: f64| {
+        let mut add = |shape: Shape, emission: Rgb, own: f64| {
             power += own;
             lights.push(Light {
+                shape,
+                emission,
                 up_to: power,
                 share: own as f32,
-                ..light
             });
         };
         for (index, triangle) in triangles.iter().enumerate() {
@@ -79,30 +83,14 @@ impl Lights {
             emission[index] = Some([material.emission, back]);
             let sides = [[a, b - a, c - a], [a, c - a, b - a]];
             let count = if material.emits_from_back { 2 } else { 1 };
-            for shape in sides.into_iter().take(count) {
-                let light = Light {
-                    shape: Some(shape),
-                    triangle: index as u32,
-                    position: a,
-                    emission: material.emission,
-                    up_to: 0.0,
-                    share: 0.0,
-                };
-                add(light, own);
+            for side in sides.into_iter().take(count) {
+                add(Shape::Side(index as u32, side), material.emission, own);
             }
         }
         for &(position, intensity) in &frame.point_lights {
             let own = f64::from(4.0 * PI * intensity.mean());
             if own > 0.0 {
-                let light = Light {
-                    shape: None,
-                    triangle: NONE,
-                    position,
-                    emission: intensity,
-                    up_to: 0.0,
-                    share: 0.0,
-                };
-                add(light, own);
+                add(Shape::Point(position), intensity, own);
             }
         }
         let per_power = if power > 0.0 { 1.0 / power } else { 0.0 };
@@ -137,16 +125,19 @@ impl Lights {
         let chosen = f64::from(at[0]);
         let index = self.lights.partition_point(|light| light.up_to <= chosen);
         let light = self.lights.get(index).or(self.lights.last())?;
-        let Some([corner, ab, ac]) = light.shape else {
-            let offset = light.position - from;
-            let squared = offset.length_squared();
-            return (squared > 0.0).then(|| Seen {
-                point: light.position,
-                direction: offset / squared.sqrt(),
-                triangle: NONE,
-                irradiance: light.emission / (squared * light.share),
-                density: None,
-            });
+        let (triangle, [corner, ab, ac]) = match light.shape {
+            Shape::Side(triangle, side) => (triangle, side),
+            Shape::Point(point) => {
+                let offset = point - from;
+                let squared = offset.length_squared();
+                return (squared > 0.0).then(|| Seen {
+                    point,
+                    direction: offset / squared.sqrt(),
+                    triangle: NONE,
+                    irradiance: light.emission / (squared * light.share),
+                    density: None,
+                });
+            }
         };
         let root = at[1].sqrt();
         let point = corner + ab * (root * (1.0 - at[2])) + ac * (root * at[2]);
@@ -159,7 +150,7 @@ impl Lights {
         (cosine > 0.0 && density > 0.0).then(|| Seen {
             point,
             direction: offset / distance,
-            triangle: light.triangle,
+            triangle,
             irradiance: light.emission / density,
             density: Some(density),
         })

@@ -3,6 +3,7 @@
 use crate::camera::View;
 use rayon::prelude::*;
 use sheen_formats::image::Image;
+use sheen_solver::geometry::hash;
 use sheen_solver::path::Sampler;
 use sheen_solver::{Observer, PathTracer, Progress, Rgb};
 use std::time::{Duration, Instant};
@@ -77,7 +78,7 @@ pub fn trace(
             let first = index * band;
             pixels.par_iter_mut().enumerate().for_each(|(i, mean)| {
                 let pixel = (first + i) as u32;
-                *mean = mean_of_pass(tracer, view, pixel, a_pass, seed.wrapping_add(pass));
+                *mean = mean_of_pass(tracer, view, pixel, a_pass, hash::mix(seed, pass));
             });
             let part = (first + pixels.len()) as f32 / count as f32;
             let by_samples = (pass as f32 + part) / passes as f32;
