@@ -18,7 +18,8 @@ const END_GAP: f32 = 128.0 * f32::EPSILON;
 
 /// The tree misses what is nearer than 1e-4, whatever the scene: in coordinates of this many times the normalised ones
 /// that is below rounding. A power of two.
-const SCALE: f32 = 8192.0;
+const SCALE: f32 = (1u32 << SCALE_EXPONENT) as f32;
+const SCALE_EXPONENT: u8 = 13;
 
 /// Rounding of a point on a surface in normalised coordinates.
 const LEAST_GAP: f32 = 2.0 * f32::EPSILON;
@@ -59,6 +60,20 @@ impl Face {
 
 fn scaled(point: Vec3) -> Vec3A {
     (point * SCALE).into()
+}
+
+/// Brings a tree of normalised boxes to the coordinates of [`scaled`]. Its builder's checks have tolerances for boxes of
+/// about unit size.
+fn enlarge(tree: &mut CwBvh) {
+    for node in &mut tree.nodes {
+        node.p *= SCALE;
+        // Exponents of the steps that children's boxes are counted in.
+        node.e = node.e.map(|exponent| exponent + SCALE_EXPONENT);
+    }
+    let all = &mut tree.total_aabb;
+    *all = Aabb::new(all.min * SCALE, all.max * SCALE);
+    // Exact boxes serve refitting only.
+    tree.exact_node_aabbs = None;
 }
 
 /// The part of a ray along unit `direction` between two distances.
@@ -106,13 +121,14 @@ impl Occluders {
     pub fn new(triangles: &[Occluder]) -> Self {
         let boxes: Vec<Aabb> = triangles
             .iter()
-            .map(|t| Aabb::from_points(&t.corners.map(scaled)))
+            .map(|t| Aabb::from_points(&t.corners.map(Vec3A::from)))
             .collect();
         let params = BvhBuildParams {
             pre_split: false,
             ..BvhBuildParams::medium_build()
         };
-        let bvh = build_cwbvh(&boxes, params, &mut Duration::default());
+        let mut bvh = build_cwbvh(&boxes, params, &mut Duration::default());
+        enlarge(&mut bvh);
         let mut tints: Vec<Rgb> = Vec::new();
         let faces = bvh
             .primitive_indices
