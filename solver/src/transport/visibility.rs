@@ -179,7 +179,7 @@ impl Occluders {
 
     /// What part of the light that leaves `from` on patch `origin` towards `direction` escapes from the scene.
     pub fn escape(&self, from: Vec3, direction: Vec3, origin: u32) -> Rgb {
-        let ray = ray(from, direction, [END_GAP, f32::INFINITY]);
+        let ray = ray(from, direction, [LEAST_GAP, f32::INFINITY]);
         self.along(ray, [origin, NO_PATCH], None)
     }
 
