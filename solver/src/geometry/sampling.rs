@@ -20,6 +20,14 @@ pub fn cosine_direction(normal: Vec3, at: Vec2) -> Vec3 {
     tangent * (radius * cosine) + bitangent * (radius * sine) + normal * (1.0 - at.x).sqrt()
 }
 
+/// The direction that belongs to a point of the unit square; areas are solid angles over 4π.
+pub fn sphere_direction(at: Vec2) -> Vec3 {
+    let z = at.y * 2.0 - 1.0;
+    let (sine, cosine) = (TAU * at.x).sin_cos();
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    Vec3::new(radius * cosine, radius * sine, z)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,12 +1,20 @@
-//! What emits, and points on it chosen by power.
+//! What emits, and points on it.
 
+use super::choice::Choice;
 use super::surface::Surface;
+use crate::geometry::sampling::{cosine_direction, sphere_direction};
 use crate::hierarchy::NONE;
 use crate::normalise::Normalised;
 use crate::radiometry::Rgb;
 use crate::scene::Triangle;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
+use std::ops::Range;
+
+/// Lights are chosen among this many groups, at most.
+const MOST_GROUPS: usize = 1024;
+/// Share of the choice for a place that follows power alone: what its points do not see, others nearby may.
+const BY_POWER: f32 = 0.1;
 
 /// Where light comes from.
 enum Shape {
@@ -21,19 +29,22 @@ struct Light {
     shape: Shape,
     /// Radiance, or a point's intensity.
     emission: Rgb,
-    /// Sum of the shares of all lights up to this one.
-    up_to: f64,
-    /// Its share of the power of all lights.
+    /// Power [mean over channels].
+    power: f64,
+    /// Its group.
+    group: u32,
+    /// Share of its group's power, and of all before it in the group.
     share: f32,
+    before: f32,
 }
 
 /// Everything that emits.
 pub(super) struct Lights {
     lights: Vec<Light>,
-    /// Per triangle: radiance of front and back.
-    emission: Vec<Option<[Rgb; 2]>>,
-    /// One over the power of all lights [mean over channels].
-    per_power: f32,
+    groups: Vec<Range<usize>>,
+    by_power: Choice,
+    /// Per triangle: the lights that its front and back are, or [`NONE`].
+    sides: Vec<[u32; 2]>,
 }
 
 /// A point on a light as seen from a surface.
@@ -53,79 +64,134 @@ pub(super) struct Seen {
 impl Lights {
     pub(super) fn new(frame: &Normalised, triangles: &[Triangle]) -> Self {
         let mut lights: Vec<Light> = Vec::new();
-        let mut emission = vec![None; triangles.len()];
-        let mut power = 0.0f64;
-        let mut add = |shape: Shape, emission: Rgb, own: f64| {
-            power += own;
-            lights.push(Light {
-                shape,
-                emission,
-                up_to: power,
-                share: own as f32,
-            });
+        let mut sides = vec![[NONE; 2]; triangles.len()];
+        let light = |shape: Shape, emission: Rgb, power: f64| Light {
+            shape,
+            emission,
+            power,
+            group: 0,
+            share: 0.0,
+            before: 0.0,
         };
         for (index, triangle) in triangles.iter().enumerate() {
             let material = &frame.materials[triangle.material as usize];
-            if material.emission.is_black() {
-                continue;
-            }
             let [a, b, c] = triangle.points.map(|p| frame.points[p as usize]);
             let area = f64::from(0.5 * (b - a).cross(c - a).length());
-            let own = f64::from(PI * material.emission.mean()) * area;
-            if own <= 0.0 {
+            let power = f64::from(PI * material.emission.mean()) * area;
+            if power <= 0.0 {
                 continue;
             }
-            let back = if material.emits_from_back {
-                material.emission
-            } else {
-                Rgb::BLACK
-            };
-            emission[index] = Some([material.emission, back]);
-            let sides = [[a, b - a, c - a], [a, c - a, b - a]];
+            let shapes = [[a, b - a, c - a], [a, c - a, b - a]];
             let count = if material.emits_from_back { 2 } else { 1 };
-            for side in sides.into_iter().take(count) {
-                add(Shape::Side(index as u32, side), material.emission, own);
+            for (side, shape) in shapes.into_iter().enumerate().take(count) {
+                sides[index][side] = lights.len() as u32;
+                let shape = Shape::Side(index as u32, shape);
+                lights.push(light(shape, material.emission, power));
             }
         }
         for &(position, intensity) in &frame.point_lights {
-            let own = f64::from(4.0 * PI * intensity.mean());
-            if own > 0.0 {
-                add(Shape::Point(position), intensity, own);
+            let power = f64::from(4.0 * PI * intensity.mean());
+            if power > 0.0 {
+                lights.push(light(Shape::Point(position), intensity, power));
             }
         }
-        let per_power = if power > 0.0 { 1.0 / power } else { 0.0 };
-        for light in &mut lights {
-            light.up_to *= per_power;
-            light.share *= per_power as f32;
+        let size = lights.len().div_ceil(MOST_GROUPS).max(1);
+        let starts = (0..lights.len()).step_by(size);
+        let groups: Vec<Range<usize>> = starts
+            .map(|start| start..(start + size).min(lights.len()))
+            .collect();
+        let mut powers = Vec::with_capacity(groups.len());
+        for (number, group) in groups.iter().enumerate() {
+            let members = &mut lights[group.clone()];
+            let whole: f64 = members.iter().map(|light| light.power).sum();
+            let mut before = 0.0;
+            for light in members {
+                light.group = number as u32;
+                light.share = (light.power / whole) as f32;
+                light.before = (before / whole) as f32;
+                before += light.power;
+            }
+            powers.push(whole as f32);
         }
         Self {
             lights,
-            emission,
-            per_power: per_power as f32,
+            groups,
+            by_power: Choice::new(powers),
+            sides,
         }
     }
 
-    /// Radiance that a surface emits towards where it is seen from, if any.
-    pub(super) fn emission(&self, surface: &Surface) -> Option<Rgb> {
-        let sides = self.emission[surface.triangle as usize]?;
-        Some(sides[usize::from(surface.back)]).filter(|radiance| !radiance.is_black())
+    /// The choice of groups by power.
+    pub(super) fn by_power(&self) -> &Choice {
+        &self.by_power
     }
 
-    /// Density with which [`Self::sample`] would have chosen the direction from `from` to a point on a light with this
-    /// radiance [sr⁻¹].
-    pub(super) fn density(&self, surface: &Surface, emission: Rgb, from: Vec3) -> f32 {
+    /// A choice of groups for a place, by what they give to some of its points, with normals, were nothing between.
+    pub(super) fn choice_for(&self, points: &[(Vec3, Vec3)]) -> Choice {
+        let given = |group: &Range<usize>| -> f32 {
+            let members = self.lights[group.clone()].iter();
+            members
+                .map(|light| points.iter().map(|&at| light.given(at)).sum::<f32>())
+                .sum()
+        };
+        let given: Vec<f32> = self.groups.iter().map(given).collect();
+        let whole: f32 = given.iter().sum();
+        if whole <= 0.0 || !whole.is_finite() {
+            return self.by_power.clone();
+        }
+        let share = |(group, given): (usize, f32)| {
+            BY_POWER * self.by_power.share(group) + (1.0 - BY_POWER) * given / whole
+        };
+        Choice::new(given.into_iter().enumerate().map(share).collect())
+    }
+
+    /// The light that a surface is where it is seen from, and its radiance.
+    pub(super) fn at(&self, surface: &Surface) -> Option<(u32, Rgb)> {
+        let light = self.sides[surface.triangle as usize][usize::from(surface.back)];
+        (light != NONE).then(|| (light, self.lights[light as usize].emission))
+    }
+
+    /// Density with which [`Self::sample`] would have chosen the direction from `from` to a point on this light
+    /// [sr⁻¹].
+    pub(super) fn density(
+        &self,
+        light: u32,
+        choice: &Choice,
+        surface: &Surface,
+        from: Vec3,
+    ) -> f32 {
+        let light = &self.lights[light as usize];
         let offset = surface.point - from;
         let squared = offset.length_squared();
         let cosine = surface.front.dot(offset).abs() / squared.sqrt();
-        PI * emission.mean() * self.per_power * squared / cosine
+        light.chance(choice) * squared / (cosine * surface.area)
     }
 
-    /// A point on a light, both chosen in proportion to power; `None` when it does not emit towards `from`.
-    pub(super) fn sample(&self, from: Vec3, at: [f32; 4]) -> Option<Seen> {
-        let chosen = f64::from(at[0]);
-        let index = self.lights.partition_point(|light| light.up_to <= chosen);
-        let light = self.lights.get(index).or(self.lights.last())?;
-        let (triangle, [corner, ab, ac]) = match light.shape {
+    /// Where light starts, chosen by power: a point, its triangle or [`NONE`], and a unit direction.
+    pub(super) fn emit(&self, at: [f32; 4], towards: [f32; 4]) -> Option<(Vec3, u32, Vec3)> {
+        let light = self.chosen(&self.by_power, at[0])?;
+        let towards = Vec2::new(towards[0], towards[1]);
+        Some(match light.shape {
+            Shape::Side(triangle, side) => {
+                let direction = cosine_direction(side[1].cross(side[2]).normalize(), towards);
+                (on_triangle(side, at[1], at[2]), triangle, direction)
+            }
+            Shape::Point(point) => (point, NONE, sphere_direction(towards)),
+        })
+    }
+
+    fn chosen(&self, choice: &Choice, at: f32) -> Option<&Light> {
+        let (group, rest) = choice.choose(at)?;
+        let members = &self.lights[self.groups[group].clone()];
+        let number = members.partition_point(|light| light.before <= rest);
+        members.get(number.saturating_sub(1))
+    }
+
+    /// A point on a light, which is chosen by `choice`; `None` when it does not emit towards `from`.
+    pub(super) fn sample(&self, choice: &Choice, from: Vec3, at: [f32; 4]) -> Option<Seen> {
+        let light = self.chosen(choice, at[0])?;
+        let chance = light.chance(choice);
+        let (triangle, side) = match light.shape {
             Shape::Side(triangle, side) => (triangle, side),
             Shape::Point(point) => {
                 let offset = point - from;
@@ -134,20 +200,20 @@ impl Lights {
                     point,
                     direction: offset / squared.sqrt(),
                     triangle: NONE,
-                    irradiance: light.emission / (squared * light.share),
+                    irradiance: light.emission / (squared * chance),
                     density: None,
                 });
             }
         };
-        let root = at[1].sqrt();
-        let point = corner + ab * (root * (1.0 - at[2])) + ac * (root * at[2]);
+        let point = on_triangle(side, at[1], at[2]);
         let offset = point - from;
         let squared = offset.length_squared();
         let distance = squared.sqrt();
-        let normal = ab.cross(ac).normalize();
-        let cosine = -normal.dot(offset) / distance;
-        let density = PI * light.emission.mean() * self.per_power * squared / cosine;
-        (cosine > 0.0 && density > 0.0).then(|| Seen {
+        // Of twice the triangle's area; against it falls what the side emits towards `from`.
+        let normal = side[1].cross(side[2]);
+        let visible = -normal.dot(offset) / distance;
+        let density = 2.0 * chance * squared / visible;
+        (visible > 0.0 && density > 0.0).then(|| Seen {
             point,
             direction: offset / distance,
             triangle,
@@ -155,4 +221,36 @@ impl Lights {
             density: Some(density),
         })
     }
+}
+
+impl Light {
+    fn chance(&self, choice: &Choice) -> f32 {
+        choice.share(self.group as usize) * self.share
+    }
+
+    /// Irradiance at a point with a normal, were all of it in its middle and nothing between [mean over channels].
+    fn given(&self, (point, normal): (Vec3, Vec3)) -> f32 {
+        let (middle, area) = match self.shape {
+            Shape::Side(_, [corner, ab, ac]) => (corner + (ab + ac) / 3.0, ab.cross(ac) * 0.5),
+            Shape::Point(middle) => (middle, Vec3::ZERO),
+        };
+        let offset = middle - point;
+        let squared = offset.length_squared();
+        let received = normal.dot(offset).max(0.0) / squared.sqrt();
+        let sent = match self.shape {
+            Shape::Side(..) => (-area.dot(offset)).max(0.0) / squared.sqrt(),
+            Shape::Point(_) => 1.0,
+        };
+        if squared > 0.0 {
+            self.emission.mean() * sent * received / squared
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The point of a triangle, given by a corner and the edges from it, that belongs to a point of the unit square.
+fn on_triangle([corner, ab, ac]: [Vec3; 3], u: f32, v: f32) -> Vec3 {
+    let root = u.sqrt();
+    corner + ab * (root * (1.0 - v)) + ac * (root * v)
 }

@@ -6,29 +6,29 @@
 //! Kajiya 1986; Arvo and Kirk 1990 (roulette); Veach 1997, chapter 9 (multiple importance sampling).
 //! Cost: two rays a bounce.
 
+mod choice;
+mod directions;
+mod guide;
 mod lights;
+mod roulette;
 mod sampler;
+mod scatter;
 mod surface;
 
 pub use sampler::Sampler;
 
-use crate::brdf::{Lobe, reflect};
-use crate::geometry::sampling::cosine_direction;
 use crate::hierarchy::NONE;
 use crate::normalise::Normalised;
 use crate::radiometry::Rgb;
-use crate::scene::{Gloss, Material, Scene, Triangle};
+use crate::scene::{Scene, Triangle};
 use crate::transport::visibility::{Occluder, Occluders};
-use glam::{Vec2, Vec3};
+use choice::Choice;
+use glam::Vec3;
+use guide::Guide;
 use lights::Lights;
-use std::f32::consts::FRAC_1_PI;
+use roulette::Roulette;
+use scatter::{Scatterer, Scattering};
 use surface::Surface;
-
-/// Bounces before roulette starts.
-const SURE: u32 = 3;
-
-/// Roulette lets no path live with more than this chance: paths between white walls end too.
-const MOST_CHANCE: f32 = 0.95;
 
 /// Traces paths through one scene.
 pub struct PathTracer {
@@ -41,66 +41,7 @@ pub struct PathTracer {
     shadows: Occluders,
     lights: Lights,
     scattering: Vec<Scattering>,
-}
-
-/// What a material does with light.
-struct Scattering {
-    diffuse: Rgb,
-    lobe: Option<Lobe>,
-    /// Share that a perfect mirror reflects.
-    mirror: Rgb,
-    /// Share that passes straight.
-    clear: Rgb,
-}
-
-impl Scattering {
-    fn of(material: &Material) -> Self {
-        let (lobe, mirror) = match material.gloss {
-            Gloss::Ward {
-                specular,
-                roughness,
-            } if roughness <= 0.0 => (None, specular),
-            _ => (Lobe::of(material, 0.0), Rgb::BLACK),
-        };
-        Self {
-            diffuse: material.diffuse,
-            lobe,
-            mirror,
-            clear: material.transmission,
-        }
-    }
-
-    /// BRDF; directions leave the surface.
-    fn eval(&self, normal: Vec3, wi: Vec3, wo: Vec3) -> Rgb {
-        let diffuse = self.diffuse * FRAC_1_PI;
-        match &self.lobe {
-            Some(lobe) => diffuse + lobe.specular * lobe.eval(normal, wi, wo),
-            None => diffuse,
-        }
-    }
-
-    /// Shares of the light towards an angle with cosine `cos_o` that each way of scattering makes: diffuse, lobe,
-    /// mirror, straight on.
-    fn shares(&self, cos_o: f32) -> [f32; 4] {
-        let lobe = self.lobe.as_ref();
-        [
-            self.diffuse.mean(),
-            lobe.map_or(0.0, |lobe| lobe.specular.mean() * lobe.albedo(cos_o)),
-            self.mirror.mean(),
-            self.clear.mean(),
-        ]
-    }
-}
-
-/// Where a path goes on.
-struct Step {
-    direction: Vec3,
-    /// BRDF times cosine over density.
-    weight: Rgb,
-    /// Density of the direction [sr⁻¹]; `None` for mirrors.
-    density: Option<f32>,
-    /// It passed straight: it left the surface on the other side, and is no scattering.
-    passed: bool,
+    guide: Guide,
 }
 
 impl PathTracer {
@@ -124,7 +65,7 @@ impl PathTracer {
         let (surfaces, shadows) = (occluder(false), occluder(true));
         let lights = Lights::new(&frame, &triangles);
         let scattering = frame.materials.iter().map(Scattering::of).collect();
-        Self {
+        let mut tracer = Self {
             normals: scene.normals().to_vec(),
             frame,
             triangles,
@@ -132,23 +73,41 @@ impl PathTracer {
             shadows,
             lights,
             scattering,
-        }
+            guide: Guide::empty(),
+        };
+        tracer.guide = Guide::learn(&tracer);
+        tracer
     }
 
     /// Radiance that reaches `eye` [m] against the unit `direction`, by one path [W·sr⁻¹·m⁻²].
     pub fn radiance(&self, eye: Vec3, direction: Vec3, sampler: &mut Sampler) -> Rgb {
-        let mut from = self.frame.normalised(eye);
-        let mut origin = NONE;
-        let mut direction = direction;
+        let from = self.frame.normalised(eye);
+        let radiance = self.follow(from, NONE, direction, sampler, true);
+        self.frame.radiance(radiance)
+    }
+
+    /// Normalised radiance that reaches `from`, of triangle `origin`, against `direction`, by one path; `emitted`: with
+    /// what the first surface emits.
+    fn follow(
+        &self,
+        mut from: Vec3,
+        mut origin: u32,
+        mut direction: Vec3,
+        sampler: &mut Sampler,
+        emitted: bool,
+    ) -> Rgb {
         let (mut sum, mut throughput) = (Rgb::BLACK, Rgb::WHITE);
-        // Where the path scattered last, and with which density it went on; emission is seen in full without one.
-        let mut scattered: Option<(Vec3, f32)> = None;
+        // Where the path scattered last, how lights were chosen there, and with which density it went on; emission is
+        // seen in full without one.
+        let mut scattered: Option<(Vec3, &Choice, f32)> = None;
         let mut bounce = 0;
+        let mut roulette = Roulette::default();
         while let Some(hit) = self.surfaces.nearest_hit(from, direction, origin) {
             let surface = Surface::new(self, from, direction, &hit);
-            if let Some(emission) = self.lights.emission(&surface) {
-                let share = scattered.map_or(1.0, |(at, density)| {
-                    let light = self.lights.density(&surface, emission, at);
+            let light = self.lights.at(&surface).filter(|_| emitted || bounce > 0);
+            if let Some((light, emission)) = light {
+                let share = scattered.map_or(1.0, |(at, choice, density)| {
+                    let light = self.lights.density(light, choice, &surface, at);
                     power_heuristic(density, light)
                 });
                 sum += throughput * emission * share;
@@ -156,42 +115,69 @@ impl PathTracer {
             if surface.is_black {
                 break;
             }
-            let scattering = &self.scattering[surface.material as usize];
-            let wo = -direction;
+            let scatterer = Scatterer::new(self, &surface, -direction);
             let choices = sampler.draw();
-            if scattering.diffuse != Rgb::BLACK || scattering.lobe.is_some() {
-                sum += throughput * self.direct(&surface, scattering, wo, sampler.draw());
+            if scatterer.is_rough() {
+                sum += throughput * self.direct(&surface, &scatterer, sampler.draw());
             }
-            let Some(step) = step(scattering, surface.normal, wo, choices) else {
+            let chance = roulette.chance(bounce, throughput.max_channel(), &scatterer);
+            if choices[3] >= chance {
+                break;
+            }
+            let Some(step) = scatterer.step(choices) else {
                 break;
             };
-            throughput = throughput * step.weight;
+            throughput = throughput * step.weight / chance;
             if !step.passed {
-                scattered = step.density.map(|density| (surface.point, density));
+                scattered = step
+                    .density
+                    .map(|density| (surface.point, self.choice(&scatterer), density));
                 bounce += 1;
-            }
-            let chance = throughput.max_channel().min(MOST_CHANCE);
-            if bounce > SURE || step.passed {
-                if choices[3] >= chance {
-                    break;
-                }
-                throughput = throughput / chance;
             }
             (from, origin, direction) = (surface.point, surface.triangle, step.direction);
         }
-        self.frame.radiance(sum)
+        sum
     }
 
-    /// Light from a point on a light that is chosen by its power, reflected towards `wo`.
-    fn direct(&self, surface: &Surface, scattering: &Scattering, wo: Vec3, at: [f32; 4]) -> Rgb {
-        let Some(light) = self.lights.sample(surface.point, at) else {
+    /// How lights are chosen at a surface.
+    fn choice<'a>(&'a self, scatterer: &Scatterer<'a>) -> &'a Choice {
+        scatterer
+            .place()
+            .map_or(self.lights.by_power(), |place| &place.lights)
+    }
+
+    /// Irradiance from a point on a light [mean over channels].
+    fn irradiance(
+        &self,
+        choice: &Choice,
+        point: Vec3,
+        normal: Vec3,
+        triangle: u32,
+        at: [f32; 4],
+    ) -> f32 {
+        let Some(light) = self.lights.sample(choice, point, at) else {
+            return 0.0;
+        };
+        let cosine = normal.dot(light.direction).max(0.0);
+        let passed =
+            self.shadows
+                .strict_transmittance(point, light.point, [triangle, light.triangle]);
+        (passed * light.irradiance).mean() * cosine
+    }
+
+    /// Light from a point on a light and reflected.
+    fn direct(&self, surface: &Surface, scatterer: &Scatterer<'_>, at: [f32; 4]) -> Rgb {
+        let Some(light) = self
+            .lights
+            .sample(self.choice(scatterer), surface.point, at)
+        else {
             return Rgb::BLACK;
         };
         let cosine = surface.normal.dot(light.direction);
         if cosine <= 0.0 {
             return Rgb::BLACK;
         }
-        let reflected = scattering.eval(surface.normal, light.direction, wo) * cosine;
+        let reflected = scatterer.eval(light.direction) * cosine;
         if reflected.is_black() {
             return Rgb::BLACK;
         }
@@ -203,10 +189,7 @@ impl PathTracer {
             return Rgb::BLACK;
         }
         let share = light.density.map_or(1.0, |density| {
-            power_heuristic(
-                density,
-                density_of(scattering, surface.normal, light.direction, wo),
-            )
+            power_heuristic(density, scatterer.density(light.direction))
         });
         reflected * passed * light.irradiance * share
     }
@@ -219,50 +202,4 @@ fn power_heuristic(own: f32, other: f32) -> f32 {
     }
     let ratio = other / own;
     1.0 / (1.0 + ratio * ratio)
-}
-
-/// Density with which [`step`] scatters from `wo` to `wi` [sr⁻¹].
-fn density_of(scattering: &Scattering, normal: Vec3, wi: Vec3, wo: Vec3) -> f32 {
-    let shares = scattering.shares(normal.dot(wo));
-    let whole: f32 = shares.iter().sum();
-    let diffuse = shares[0] * normal.dot(wi).max(0.0) * FRAC_1_PI;
-    let lobe = scattering.lobe.as_ref();
-    let glossy = lobe.map_or(0.0, |lobe| shares[1] * lobe.density(normal, wo, wi));
-    (diffuse + glossy) / whole
-}
-
-/// Chooses how light towards `wo` was scattered; `None` when it was not.
-fn step(scattering: &Scattering, normal: Vec3, wo: Vec3, choices: [f32; 4]) -> Option<Step> {
-    let shares = scattering.shares(normal.dot(wo));
-    let whole: f32 = shares.iter().sum();
-    let mut left = choices[0] * whole;
-    let chosen = shares.iter().position(|&share| {
-        let is_here = left < share;
-        left -= share;
-        is_here
-    })?;
-    let at = Vec2::new(choices[1], choices[2]);
-    let straight = |direction: Vec3, colour: Rgb, passed: bool| Step {
-        direction,
-        weight: colour * (whole / shares[chosen]),
-        density: None,
-        passed,
-    };
-    let direction = match chosen {
-        0 => cosine_direction(normal, at),
-        1 => scattering.lobe.as_ref()?.sample(normal, wo, at),
-        2 => return Some(straight(reflect(normal, wo), scattering.mirror, false)),
-        _ => return Some(straight(-wo, scattering.clear, true)),
-    };
-    let cosine = normal.dot(direction);
-    let density = density_of(scattering, normal, direction, wo);
-    if cosine <= 0.0 || density <= 0.0 {
-        return None;
-    }
-    Some(Step {
-        direction,
-        weight: scattering.eval(normal, direction, wo) * (cosine / density),
-        density: Some(density),
-        passed: false,
-    })
 }

@@ -12,6 +12,8 @@ pub(super) struct Surface {
     pub(super) normal: Vec3,
     /// Normal of the triangle's front.
     pub(super) front: Vec3,
+    /// Of the triangle.
+    pub(super) area: f32,
     /// Triangle.
     pub(super) triangle: u32,
     /// Material.
@@ -33,7 +35,8 @@ impl Surface {
         let offset = from + direction * hit.distance - a;
         let u = offset.cross(ac).dot(normal) / squared;
         let v = ab.cross(offset).dot(normal) / squared;
-        let front = normal / squared.sqrt();
+        let length = squared.sqrt();
+        let front = normal / length;
         let shading = triangle.normals.map_or(front, |normals| {
             let [na, nb, nc] = normals.map(|n| tracer.normals[n as usize]);
             (na * (1.0 - u - v) + nb * u + nc * v).normalize_or(front)
@@ -47,6 +50,7 @@ impl Surface {
                 shading
             },
             front,
+            area: 0.5 * length,
             triangle: hit.patch,
             material: triangle.material,
             back: hit.back,
