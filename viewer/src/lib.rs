@@ -3,6 +3,7 @@
 //! The binary `sheen` only calls [`cli::run`]; everything else is here so that tests reach it.
 
 mod app;
+pub mod bench;
 pub mod camera;
 pub mod cli;
 pub mod compare;
@@ -12,5 +13,6 @@ pub mod passes;
 pub mod script;
 pub mod steering;
 pub mod tonemap;
+pub mod verify;
 pub mod ways;
 pub mod window;

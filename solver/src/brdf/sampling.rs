@@ -1,6 +1,7 @@
 //! Directions chosen in proportion to a lobe, and their densities: what a path tracer follows.
 
 use super::{Lobe, Shape, phong, reflect, ward};
+use crate::geometry::sampling::about;
 use glam::{Vec2, Vec3};
 
 impl Lobe {
@@ -37,13 +38,6 @@ impl Lobe {
             }
         }
     }
-}
-
-/// The direction at an angle with this sine and cosine from unit `axis`, a share `turn` of a turn about it.
-fn about(axis: Vec3, (sine, cosine): (f32, f32), turn: f32) -> Vec3 {
-    let (tangent, bitangent) = axis.any_orthonormal_pair();
-    let (y, x) = (std::f32::consts::TAU * turn).sin_cos();
-    (tangent * x + bitangent * y) * sine + axis * cosine
 }
 
 #[cfg(test)]

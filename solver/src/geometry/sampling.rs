@@ -28,6 +28,13 @@ pub fn sphere_direction(at: Vec2) -> Vec3 {
     Vec3::new(radius * cosine, radius * sine, z)
 }
 
+/// The direction at an angle with this sine and cosine from unit `axis`, a share `turn` of a turn about it.
+pub fn about(axis: Vec3, (sine, cosine): (f32, f32), turn: f32) -> Vec3 {
+    let (tangent, bitangent) = axis.any_orthonormal_pair();
+    let (y, x) = (TAU * turn).sin_cos();
+    (tangent * x + bitangent * y) * sine + axis * cosine
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

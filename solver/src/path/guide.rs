@@ -8,21 +8,26 @@ use super::PathTracer;
 use super::Sampler;
 use super::choice::Choice;
 use super::directions::{Directions, to_square};
+use super::reflectors::Reflectors;
 use super::scatter::Scatterer;
 use super::surface::Surface;
 use crate::geometry::sampling::cosine_direction;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use std::f32::consts::PI;
+use std::f32::consts::FRAC_1_PI;
 
-/// Photons that learning takes.
-const PHOTONS: u32 = 1 << 19;
+/// Photons that learning follows at a time.
+const PHOTONS: u32 = 1 << 18;
+/// Learning is over when photons met this many surfaces,
+const ENOUGH: usize = 1 << 20;
+/// or after this many rounds: where most light is lost.
+const MOST_ROUNDS: u32 = 16;
 /// Photons that learning takes its numbers from: no picture's paths have them.
 const SEED: u32 = 0x5eed_0f1e;
 /// Bounces of a photon, at most.
 const MOST_BOUNCES: u32 = 32;
 /// Places with more photons than this are split.
-const MOST_IN_PLACE: usize = 2048;
+const MOST_IN_PLACE: usize = 1024;
 /// Points of a place that tell which lights matter there.
 const LIT_POINTS: usize = 8;
 /// Paths from each of them that tell how much light there is.
@@ -35,6 +40,8 @@ const LEAST_IN_PLACE: usize = 64;
 struct Met {
     point: Vec3,
     triangle: u32,
+    /// The material that scattered it last.
+    sender: u32,
     /// Towards where it came from, as a point of the square.
     from: Vec2,
     /// The surface's, on this side.
@@ -73,6 +80,7 @@ enum Node {
 /// What is known about light, by place and facing.
 pub(super) struct Guide {
     facings: [Node; 6],
+    reflectors: Reflectors,
 }
 
 impl Guide {
@@ -80,22 +88,30 @@ impl Guide {
     pub(super) fn empty() -> Self {
         Self {
             facings: std::array::from_fn(|_| Node::Whole(None)),
+            reflectors: Reflectors::default(),
         }
     }
 
     /// Learns from photons in `tracer`'s scene.
     pub(super) fn learn(tracer: &PathTracer) -> Self {
-        let met: Vec<Met> = (0..PHOTONS)
-            .into_par_iter()
-            .with_min_len(256)
-            .flat_map_iter(|index| follow(tracer, index))
-            .collect();
+        let mut met: Vec<Met> = Vec::new();
+        for round in 0..MOST_ROUNDS {
+            let photons = (round * PHOTONS..(round + 1) * PHOTONS).into_par_iter();
+            let photons = photons.with_min_len(256);
+            met.par_extend(photons.flat_map_iter(|index| follow(tracer, index)));
+            if met.len() >= ENOUGH {
+                break;
+            }
+        }
         let mut facings: [Vec<Met>; 6] = std::array::from_fn(|_| Vec::new());
+        let mut sent = vec![0; tracer.scattering.len()];
         for one in met {
+            sent[one.sender as usize] += 1;
             facings[facing(one.normal)].push(one);
         }
         Self {
             facings: facings.map(|mut met| places(tracer, &mut met)),
+            reflectors: Reflectors::of(tracer, &sent),
         }
     }
 
@@ -109,6 +125,50 @@ impl Guide {
                     node = &halves[usize::from(point[*axis] >= *at)];
                 }
             }
+        }
+    }
+}
+
+/// Where a path looks for light from one point.
+pub(super) struct Directed<'a> {
+    directions: &'a Directions,
+    reflectors: Option<&'a Reflectors>,
+    point: Vec3,
+}
+
+impl Guide {
+    /// Where to look for light at `point` that is at this place.
+    pub(super) fn directed<'a>(&'a self, place: &'a Place, point: Vec3) -> Directed<'a> {
+        let reflectors = &self.reflectors;
+        Directed {
+            directions: &place.directions,
+            reflectors: Some(reflectors).filter(|all| !all.is_empty_from(point)),
+            point,
+        }
+    }
+}
+
+impl Directed<'_> {
+    /// A direction from a point of the unit square.
+    pub(super) fn sample(&self, at: Vec2) -> Option<Vec3> {
+        let Some(reflectors) = self.reflectors else {
+            return Some(self.directions.sample(at).0);
+        };
+        let doubled = at.x * 2.0;
+        let at = Vec2::new(doubled.fract(), at.y);
+        if doubled < 1.0 {
+            Some(self.directions.sample(at).0)
+        } else {
+            reflectors.sample(self.point, at)
+        }
+    }
+
+    /// Density of [`Self::sample`] [sr⁻¹].
+    pub(super) fn density(&self, direction: Vec3) -> f32 {
+        let learned = self.directions.density(direction);
+        match self.reflectors {
+            Some(reflectors) => 0.5 * (learned + reflectors.density(self.point, direction)),
+            None => learned,
         }
     }
 }
@@ -128,7 +188,7 @@ fn follow(tracer: &PathTracer, index: u32) -> Vec<Met> {
     else {
         return met;
     };
-    let mut was_scattered = false;
+    let mut scattered = None;
     for _ in 0..MOST_BOUNCES {
         let Some(hit) = tracer.surfaces.nearest_hit(from, direction, origin) else {
             break;
@@ -137,10 +197,11 @@ fn follow(tracer: &PathTracer, index: u32) -> Vec<Met> {
         if surface.is_black {
             break;
         }
-        if was_scattered {
+        if let Some(sender) = scattered {
             met.push(Met {
                 point: surface.point,
                 triangle: surface.triangle,
+                sender,
                 from: to_square(-direction),
                 normal: surface.normal,
             });
@@ -153,7 +214,9 @@ fn follow(tracer: &PathTracer, index: u32) -> Vec<Met> {
         if choices[3] >= step.weight.mean() {
             break;
         }
-        was_scattered |= !step.passed;
+        if !step.passed {
+            scattered = Some(surface.material);
+        }
         (from, origin, direction) = (surface.point, surface.triangle, step.direction);
     }
     met
@@ -192,31 +255,46 @@ fn place(tracer: &PathTracer, met: &[Met]) -> Option<Place> {
         .collect();
     let points: Vec<(Vec3, Vec3)> = some.iter().map(|one| (one.point, one.normal)).collect();
     let lights = tracer.lights.choice_for(&points);
+    let directions = Directions::learn(met.iter().map(|one| one.from).collect())?;
     Some(Place {
-        directions: Directions::learn(met.iter().map(|one| one.from).collect())?,
-        light: light_at(tracer, &lights, &some),
+        light: light_at(tracer, &lights, &directions, &some),
+        directions,
         lights,
     })
 }
 
 /// Mean irradiance of some points, by paths.
-fn light_at(tracer: &PathTracer, lights: &Choice, points: &[Met]) -> Light {
+fn light_at(
+    tracer: &PathTracer,
+    lights: &Choice,
+    directions: &Directions,
+    points: &[Met],
+) -> Light {
     let mut light = Light::default();
     for (number, one) in points.iter().enumerate() {
         for index in 0..PATHS {
             let mut sampler = Sampler::new(number as u32, index, SEED);
             let [x, y, ..] = sampler.draw();
-            let direction = cosine_direction(one.normal, Vec2::new(x, y));
-            let reflected = tracer.follow(one.point, one.triangle, direction, &mut sampler, false);
-            light.indirect += PI * reflected.mean();
-            let direct =
-                tracer.irradiance(lights, one.point, one.normal, one.triangle, sampler.draw());
-            light.whole += PI * reflected.mean() + direct;
+            // By turns towards where light is known to come from, and elsewhere.
+            let direction = if index % 2 == 0 {
+                cosine_direction(one.normal, Vec2::new(x, y))
+            } else {
+                directions.sample(Vec2::new(x, y)).0
+            };
+            let cosine = one.normal.dot(direction);
+            if cosine > 0.0 {
+                let density = 0.5 * (cosine * FRAC_1_PI + directions.density(direction));
+                let reflected =
+                    tracer.follow(one.point, one.triangle, direction, &mut sampler, false);
+                light.indirect += reflected.mean() * cosine / density;
+            }
+            let to_light = sampler.draw();
+            light.whole += tracer.irradiance(lights, one.point, one.normal, one.triangle, to_light);
         }
     }
     let count = (points.len() as u32 * PATHS) as f32;
     Light {
-        whole: light.whole / count,
+        whole: (light.whole + light.indirect) / count,
         indirect: light.indirect / count,
     }
 }

@@ -10,11 +10,14 @@ mod choice;
 mod directions;
 mod guide;
 mod lights;
+mod probe;
+mod reflectors;
 mod roulette;
 mod sampler;
 mod scatter;
 mod surface;
 
+pub use probe::{Probe, Probes};
 pub use sampler::Sampler;
 
 use crate::hierarchy::NONE;
@@ -118,7 +121,9 @@ impl PathTracer {
             let scatterer = Scatterer::new(self, &surface, -direction);
             let choices = sampler.draw();
             if scatterer.is_rough() {
-                sum += throughput * self.direct(&surface, &scatterer, sampler.draw());
+                let direct = throughput * self.direct(&surface, &scatterer, sampler.draw());
+                roulette.begin(direct.mean(), throughput.max_channel(), &scatterer);
+                sum += direct;
             }
             let chance = roulette.chance(bounce, throughput.max_channel(), &scatterer);
             if choices[3] >= chance {

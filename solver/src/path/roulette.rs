@@ -8,6 +8,8 @@ use std::f32::consts::FRAC_1_PI;
 
 /// A path surely goes on while it may bring more than one over this of its pixel's radiance.
 const WORTH: f32 = 5.0;
+/// What is known about light is rough: a path goes on with at least this share of what it may carry.
+const LEAST: f32 = 0.1;
 /// Where nothing is known about light, bounces before roulette starts.
 const SURE: u32 = 2;
 /// From this bounce on no path lives with more than [`MOST_CHANCE`]: paths between mirrors end too.
@@ -22,24 +24,32 @@ pub(super) struct Roulette {
 }
 
 impl Roulette {
-    /// How likely a path that has this throughput goes on from its bounce with this number.
-    pub(super) fn chance(
-        &mut self,
-        bounce: u32,
-        throughput: f32,
-        scatterer: &Scatterer<'_>,
-    ) -> f32 {
-        let reflected = throughput * scatterer.albedo();
-        let known = scatterer.place().map(|place| place.light);
-        if self.pixel.is_none() && scatterer.is_rough() {
-            self.pixel = Some(known.map_or(0.0, |light| reflected * FRAC_1_PI * light.whole));
+    /// A path met a rough surface that `direct` light reaches its pixel from; the first one counts.
+    pub(super) fn begin(&mut self, direct: f32, throughput: f32, scatterer: &Scatterer<'_>) {
+        if self.pixel.is_none() {
+            let indirect = scatterer.place().map_or(0.0, |place| place.light.indirect);
+            self.pixel = Some(direct + throughput * scatterer.albedo() * FRAC_1_PI * indirect);
         }
-        let chance = match (known, self.pixel) {
-            (Some(light), Some(pixel)) if pixel > 0.0 => {
-                WORTH * reflected * FRAC_1_PI * light.indirect / pixel
+    }
+
+    /// How likely a path that has this throughput goes on from its bounce with this number.
+    pub(super) fn chance(&self, bounce: u32, throughput: f32, scatterer: &Scatterer<'_>) -> f32 {
+        let reflected = throughput * scatterer.albedo();
+        let diffuse = scatterer.diffuse_share();
+        let known = scatterer
+            .place()
+            .zip(self.pixel)
+            .filter(|&(_, pixel)| pixel > 0.0);
+        let chance = match known {
+            Some((place, pixel)) => {
+                // A lobe may lead to a lamp.
+                let light = diffuse * place.light.indirect + (1.0 - diffuse) * place.light.whole;
+                let worth = WORTH * reflected * FRAC_1_PI * light / pixel;
+                let least = if bounce < SURE { 1.0 } else { reflected };
+                worth.max((1.0 - diffuse).max(LEAST) * least)
             }
-            _ if bounce < SURE => 1.0,
-            _ => reflected,
+            None if bounce < SURE => 1.0,
+            None => reflected,
         };
         chance.min(if bounce < LONG { 1.0 } else { MOST_CHANCE })
     }

@@ -1,7 +1,7 @@
 //! What a surface does with light: the choice of where a path goes on, and its density.
 
 use super::PathTracer;
-use super::guide::Place;
+use super::guide::{Directed, Place};
 use super::surface::Surface;
 use crate::brdf::{Lobe, reflect};
 use crate::geometry::sampling::cosine_direction;
@@ -41,6 +41,13 @@ impl Scattering {
     }
 }
 
+impl Scattering {
+    /// Its lobe, perfect mirrors aside.
+    pub(super) fn lobe(&self) -> Option<&Lobe> {
+        self.lobe.as_ref()
+    }
+}
+
 /// Where a path goes on.
 pub(super) struct Step {
     /// Unit direction.
@@ -60,6 +67,7 @@ const WAYS: usize = 5;
 pub(super) struct Scatterer<'a> {
     material: &'a Scattering,
     place: Option<&'a Place>,
+    guide: Option<Directed<'a>>,
     normal: Vec3,
     wo: Vec3,
     /// How often each way is chosen: diffuse, guided, lobe, mirror, straight on. Their sum is 1, or 0 for black.
@@ -88,6 +96,9 @@ impl<'a> Scatterer<'a> {
         Self {
             material,
             place,
+            guide: place
+                .filter(|_| guided > 0.0)
+                .map(|place| tracer.guide.directed(place, surface.point)),
             normal: surface.normal,
             wo,
             shares: shares.map(|share| share * per_whole),
@@ -98,6 +109,11 @@ impl<'a> Scatterer<'a> {
     /// Light from single points or directions is reflected: not by perfect mirrors alone.
     pub(super) fn is_rough(&self) -> bool {
         self.shares[..3].iter().any(|&share| share > 0.0)
+    }
+
+    /// Share of what it scatters that it scatters evenly.
+    pub(super) fn diffuse_share(&self) -> f32 {
+        self.shares[0] + self.shares[1]
     }
 
     /// Share of the light that it scatters [mean over channels].
@@ -121,16 +137,11 @@ impl<'a> Scatterer<'a> {
 
     /// Density with which [`Self::step`] gives `wi`, mirrors aside [sr⁻¹].
     pub(super) fn density(&self, wi: Vec3) -> f32 {
-        let guided = self.shares[1];
-        let guide = self.place.filter(|_| guided > 0.0);
-        let guided = guide.map_or(0.0, |place| place.directions.density(wi));
-        self.mixed(wi, guided)
-    }
-
-    /// The same where the guide's density is known.
-    fn mixed(&self, wi: Vec3, guide: f32) -> f32 {
         let [diffuse, guided, lobe, ..] = self.shares;
-        let mut density = diffuse * self.normal.dot(wi).max(0.0) * FRAC_1_PI + guided * guide;
+        let mut density = diffuse * self.normal.dot(wi).max(0.0) * FRAC_1_PI;
+        if let Some(guide) = &self.guide {
+            density += guided * guide.density(wi);
+        }
         if let Some(shape) = &self.material.lobe {
             density += lobe * shape.density(self.normal, self.wo, wi);
         }
@@ -152,16 +163,14 @@ impl<'a> Scatterer<'a> {
             density: None,
             passed,
         };
-        let (direction, guide) = match chosen {
-            0 => (cosine_direction(self.normal, at), None),
-            1 => {
-                let (direction, density) = self.place?.directions.sample(at);
-                (direction, Some(density))
-            }
-            2 => {
-                let lobe = self.material.lobe.as_ref()?;
-                (lobe.sample(self.normal, self.wo, at), None)
-            }
+        let direction = match chosen {
+            0 => cosine_direction(self.normal, at),
+            1 => self.guide.as_ref()?.sample(at)?,
+            2 => self
+                .material
+                .lobe
+                .as_ref()?
+                .sample(self.normal, self.wo, at),
             3 => {
                 let direction = reflect(self.normal, self.wo);
                 return Some(straight(direction, self.material.mirror, false));
@@ -172,10 +181,7 @@ impl<'a> Scatterer<'a> {
         if cosine <= 0.0 {
             return None;
         }
-        let density = guide.map_or_else(
-            || self.density(direction),
-            |guide| self.mixed(direction, guide),
-        );
+        let density = self.density(direction);
         (density > 0.0).then(|| Step {
             direction,
             weight: self.eval(direction) * (cosine / density),

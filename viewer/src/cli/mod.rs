@@ -2,6 +2,7 @@
 //!
 //! Results go to stdout, progress and notes to stderr. Exit status 0, 1 (input) or 2 (usage).
 
+mod bench;
 mod compare;
 mod info;
 mod input;
@@ -10,6 +11,7 @@ mod progress;
 mod render;
 mod solve;
 mod values;
+mod verify;
 mod walk;
 
 use clap::{Parser, Subcommand};
@@ -35,6 +37,10 @@ enum Command {
     Walk(walk::Args),
     /// Say what a scene or a solution holds.
     Info(info::Args),
+    /// Measure the error of a solution over all surfaces, with intervals.
+    Verify(verify::Args),
+    /// Measure time, memory and error.
+    Bench(bench::Args),
     /// Compare an image with a reference.
     Compare(compare::Args),
 }
@@ -61,6 +67,8 @@ fn dispatch(command: &Command) -> anyhow::Result<()> {
         Command::Render(args) => render::run(args),
         Command::Walk(args) => walk::run(args),
         Command::Info(args) => info::run(args),
+        Command::Verify(args) => verify::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Compare(args) => compare::run(args),
     }
 }

@@ -122,57 +122,81 @@ impl Surfaces {
     }
 }
 
+/// A solution that single rays can look at.
+pub struct Looker<'a> {
+    solution: &'a Solution,
+    scale: f32,
+    mesh: Surfaces,
+    glass: Surfaces,
+}
+
+impl<'a> Looker<'a> {
+    /// Makes `solution` ready for rays from `eyes` [m].
+    pub fn new(solution: &'a Solution, eyes: &[Vec3]) -> Self {
+        let clear = solution.glass_corners.as_flattened();
+        let scale = unit_scale(solution.position.iter().chain(clear).chain(eyes));
+        let scaled = |corners: &[Vec3; 3]| corners.map(|corner| corner * scale);
+        let of_mesh = |t: &[u32; 3]| scaled(&t.map(|v| solution.position[v as usize]));
+        Self {
+            mesh: Surfaces::new(solution.triangles.iter().map(of_mesh).collect()),
+            glass: Surfaces::new(solution.glass_corners.iter().map(scaled).collect()),
+            solution,
+            scale,
+        }
+    }
+
+    /// What is seen from `eye` [m] along unit `direction` beyond `near` [m], where `radiance` gives each vertex's
+    /// towards the eye [W·sr⁻¹·m⁻²].
+    pub fn look(
+        &self,
+        eye: Vec3,
+        direction: DVec3,
+        near: f64,
+        radiance: impl Fn(usize) -> Rgb,
+    ) -> [f64; 3] {
+        let eye = eye * self.scale;
+        let near = near * f64::from(self.scale);
+        let Some((triangle, crossing)) = self.mesh.nearest(eye, direction, near) else {
+            return [0.0; 3];
+        };
+        let mut sum = [0.0; 3];
+        let corners = self.solution.triangles[triangle];
+        for (vertex, weight) in corners.iter().zip(crossing.weights) {
+            for (channel, value) in sum.iter_mut().zip(radiance(*vertex as usize).to_array()) {
+                *channel += f64::from(value) * weight;
+            }
+        }
+        self.glass
+            .each_between(eye, direction, near, crossing.distance, |index| {
+                let material = self.solution.glass_material[index] as usize;
+                let tint = self.solution.materials[material].transmission.to_array();
+                for (channel, tint) in sum.iter_mut().zip(tint) {
+                    *channel *= f64::from(tint);
+                }
+            });
+        sum
+    }
+}
+
+/// Radiance of a vertex towards `eye`.
+pub fn towards(solution: &Solution, vertex: usize, eye: Vec3) -> Rgb {
+    let direction = (eye - solution.position[vertex]).normalize_or_zero();
+    solution.evaluate(vertex, direction)
+}
+
 /// Renders `view` of `solution`; a pixel is the mean over `across` × `across` samples at the middles of its cells.
 ///
 /// Cost: one evaluation per vertex, one ray per sample.
 pub fn render(solution: &Solution, view: &View, across: u32) -> Image {
     let radiance: Vec<Rgb> = (0..solution.position.len())
         .into_par_iter()
-        .map(|vertex| {
-            solution.evaluate(
-                vertex,
-                (view.eye - solution.position[vertex]).normalize_or_zero(),
-            )
-        })
+        .map(|vertex| towards(solution, vertex, view.eye))
         .collect();
-    let clear = solution.glass_corners.as_flattened();
-    let scale = unit_scale(solution.position.iter().chain(clear).chain([&view.eye]));
-    let corners = solution
-        .triangles
-        .iter()
-        .map(|t| t.map(|v| solution.position[v as usize] * scale))
-        .collect();
-    let mesh = Surfaces::new(corners);
-    let glass = Surfaces::new(
-        solution
-            .glass_corners
-            .iter()
-            .map(|t| t.map(|corner| corner * scale))
-            .collect(),
-    );
-    let eye = view.eye * scale;
+    let looker = Looker::new(solution, &[view.eye]);
     let sample = |x: f64, y: f64| {
         let direction = view.direction(x, y);
-        let near = view.near_along(direction) * f64::from(scale);
-        let Some((triangle, crossing)) = mesh.nearest(eye, direction, near) else {
-            return [0.0; 3];
-        };
-        let mut sum = [0.0; 3];
-        for (vertex, weight) in solution.triangles[triangle].iter().zip(crossing.weights) {
-            for (channel, value) in sum.iter_mut().zip(radiance[*vertex as usize].to_array()) {
-                *channel += f64::from(value) * weight;
-            }
-        }
-        glass.each_between(eye, direction, near, crossing.distance, |index| {
-            let material = solution.glass_material[index] as usize;
-            for (channel, tint) in sum
-                .iter_mut()
-                .zip(solution.materials[material].transmission.to_array())
-            {
-                *channel *= f64::from(tint);
-            }
-        });
-        sum
+        let near = view.near_along(direction);
+        looker.look(view.eye, direction, near, |vertex| radiance[vertex])
     };
     let step = 1.0 / f64::from(across);
     let pixels = (0..view.width as usize * view.height as usize)

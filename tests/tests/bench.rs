@@ -1,0 +1,160 @@
+//! The commands that measure: `sheen verify` and `sheen bench convergence`.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use serde_json::Value;
+use sheen_tests::program::sheen;
+use sheen_tests::scenes::own_path;
+use std::path::Path;
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn verify_measures_a_stored_solution_as_a_new_one() {
+    let desk = tempfile::tempdir().unwrap();
+    let scene = own_path("furnace");
+    let scene = scene.to_str().unwrap();
+    let run = |arguments: &[&str]| {
+        let ran = sheen(desk.path(), arguments);
+        assert_eq!(ran.status(), Some(0), "{}", ran.stderr());
+        ran.stdout()
+    };
+    run(&["solve", scene, "-o", "f.sheen", "--quality", "preview"]);
+    let stored = run(&[
+        "verify",
+        scene,
+        "--solution",
+        "f.sheen",
+        "--probes",
+        "20000",
+        "--json",
+    ]);
+    let solved = run(&[
+        "verify",
+        scene,
+        "--quality",
+        "preview",
+        "--probes",
+        "20000",
+        "--json",
+    ]);
+    assert_eq!(stored, solved);
+    let found: Value = serde_json::from_str(&stored).unwrap();
+    assert_eq!(found["all"]["probes"], 20_000);
+    // What is reflected is 1 inside and nothing outside.
+    let radiance = found["all"]["radiance"].as_f64().unwrap();
+    assert!((radiance - 0.5).abs() < 0.02, "{radiance}");
+    assert!(
+        found["all"]["bias"]["value"].as_f64().unwrap().abs() < 0.02,
+        "{stored}"
+    );
+    assert_eq!(found["materials"].as_array().unwrap().len(), 1);
+    let table = run(&["verify", scene, "--solution", "f.sheen", "--probes", "2000"]);
+    assert!(
+        table.starts_with("material") && table.contains("\nall ") && table.contains("\nshell "),
+        "{table}"
+    );
+    assert_eq!(names(desk.path()), ["f.sheen"]);
+}
+
+#[test]
+fn what_cannot_be_verified_is_refused() {
+    let desk = tempfile::tempdir().unwrap();
+    let furnace = own_path("furnace");
+    let plates = own_path("parallel_plates");
+    let (furnace, plates) = (furnace.to_str().unwrap(), plates.to_str().unwrap());
+    let solved = sheen(
+        desk.path(),
+        &["solve", plates, "-o", "p.sheen", "--quality", "draft"],
+    );
+    assert_eq!(solved.status(), Some(0), "{}", solved.stderr());
+    for (arguments, expected) in [
+        (vec!["verify", "p.sheen"], "expected the scene"),
+        (
+            vec!["verify", furnace, "--solution", "p.sheen"],
+            "other materials",
+        ),
+        (
+            vec!["verify", furnace, "--solution", "none.sheen"],
+            "none.sheen",
+        ),
+        (vec!["bench", "convergence", "none.obj"], "none.obj"),
+        (
+            vec!["bench", "convergence", furnace, "--camera", "none"],
+            "expected one of",
+        ),
+        (
+            vec!["bench", "convergence", furnace, "-o", "p.sheen"],
+            "p.sheen",
+        ),
+    ] {
+        let ran = sheen(desk.path(), &arguments);
+        assert_eq!(ran.status(), Some(1), "{arguments:?}: {}", ran.stderr());
+        assert_eq!(ran.errors().len(), 1, "{arguments:?}: {}", ran.stderr());
+        assert!(
+            ran.stderr().contains(expected),
+            "{arguments:?}: {}",
+            ran.stderr()
+        );
+    }
+    assert_eq!(
+        sheen(
+            desk.path(),
+            &["bench", "convergence", furnace, "--qualities", "best"]
+        )
+        .status(),
+        Some(2)
+    );
+    assert_eq!(names(desk.path()), ["p.sheen"]);
+}
+
+#[test]
+fn more_work_means_less_error() {
+    let desk = tempfile::tempdir().unwrap();
+    let scene = own_path("glossy_sphere");
+    let arguments = [
+        "bench",
+        "convergence",
+        scene.to_str().unwrap(),
+        "-o",
+        "table",
+        "--qualities",
+        "draft,preview",
+        "--spp",
+        "32",
+        "--probes",
+        "65536",
+    ];
+    let ran = sheen(desk.path(), &arguments);
+    assert_eq!(ran.status(), Some(0), "{}", ran.stderr());
+    let folder = desk.path().join("table");
+    assert_eq!(
+        names(&folder),
+        [
+            "convergence.csv",
+            "convergence.json",
+            "convergence.md",
+            "convergence.svg"
+        ]
+    );
+    assert_eq!(
+        ran.stdout(),
+        std::fs::read_to_string(folder.join("convergence.md")).unwrap()
+    );
+    let text = std::fs::read_to_string(folder.join("convergence.json")).unwrap();
+    let ladder: Value = serde_json::from_str(&text).unwrap();
+    let figure = |row: usize, name: &str| ladder["rows"][row][name].as_f64().unwrap();
+    for name in ["relmse", "flip"] {
+        assert!(figure(1, name) < figure(0, name), "{name}: {text}");
+    }
+    for name in ["links", "elements", "bytes"] {
+        assert!(figure(1, name) > figure(0, name), "{name}: {text}");
+    }
+    assert!(ladder["slope"].as_f64().unwrap() < 0.0, "{text}");
+}

@@ -1,0 +1,152 @@
+//! `sheen bench convergence SCENE`
+
+use super::{input, note, progress};
+use crate::bench::convergence::{Ladder, Truth, climb};
+use crate::bench::plot;
+use crate::camera::View;
+use crate::ways::path::{Budget, trace};
+use anyhow::Context;
+use sheen_solver::{Camera, PathTracer, Quality, Scene};
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(subcommand)]
+    table: Table,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Table {
+    /// Time, memory and error of a scene at rising qualities.
+    Convergence(Convergence),
+}
+
+#[derive(Debug, clap::Args)]
+struct Convergence {
+    /// Scene (.obj, .mgf)
+    scene: PathBuf,
+    /// Folder for convergence.md, .csv, .json and .svg [default: the table is printed only]
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Qualities, cheapest first: names or numbers within 0..4
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "draft,preview,default,high",
+        value_name = "Q,Q,..."
+    )]
+    qualities: Vec<Quality>,
+    /// Camera of the scene [default: its first]
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// What the picture should look like (.exr) [default: path tracing]
+    #[arg(long, value_name = "R.exr")]
+    reference: Option<PathBuf>,
+    /// relMSE of the reference's own noise, averaged over 2 x 2 pixels, which is subtracted
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "RELMSE",
+        requires = "reference"
+    )]
+    reference_noise: f64,
+    /// Paths a pixel of a path-traced reference
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=1 << 24), value_name = "N", conflicts_with = "reference")]
+    spp: u32,
+    /// Random points and directions that the error over all surfaces is measured at
+    #[arg(long, default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(2..=1 << 28), value_name = "N")]
+    probes: u32,
+    /// Repair faults of the scene that can be repaired, and say so, instead of refusing it
+    #[arg(long)]
+    lenient: bool,
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    match &args.table {
+        Table::Convergence(args) => convergence(args),
+    }
+}
+
+fn truth(
+    args: &Convergence,
+    scene: &Scene,
+    view: &View,
+    observer: &mut progress::TerminalObserver,
+) -> anyhow::Result<Truth> {
+    if let Some(path) = &args.reference {
+        return Ok(Truth {
+            image: sheen_formats::image::read_exr(path)?,
+            noise: args.reference_noise,
+            source: path
+                .file_name()
+                .map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        });
+    }
+    let budget = Budget {
+        samples: args.spp,
+        time_limit: None,
+    };
+    Ok(Truth::traced(trace(
+        &PathTracer::new(scene),
+        view,
+        budget,
+        0,
+        observer,
+    )))
+}
+
+fn files(ladder: &Ladder) -> anyhow::Result<Vec<(&'static str, String)>> {
+    let points: Vec<(f64, f64, String)> = ladder
+        .rows
+        .iter()
+        .map(|row| (row.seconds, row.relmse, format!("quality {}", row.quality)))
+        .collect();
+    let mut files = vec![
+        ("convergence.md", ladder.markdown()),
+        ("convergence.csv", ladder.csv()),
+        (
+            "convergence.json",
+            serde_json::to_string_pretty(ladder)? + "\n",
+        ),
+    ];
+    if let Some(svg) = plot::log_log(&ladder.scene, ["seconds", "relMSE"], &points) {
+        files.push(("convergence.svg", svg));
+    }
+    Ok(files)
+}
+
+fn convergence(args: &Convergence) -> anyhow::Result<()> {
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        input::check_output(&folder.join("convergence.csv"))?;
+    }
+    let scene = input::load_scene(&args.scene, args.lenient)?.scene;
+    let camera: Camera = input::camera(scene.cameras(), args.camera.as_deref())?;
+    let view =
+        View::new(&camera, scene.bounds()).with_context(|| args.scene.display().to_string())?;
+    progress::catch_interrupts();
+    let mut observer = progress::TerminalObserver::new();
+    let truth = truth(args, &scene, &view, &mut observer)?;
+    let name = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
+    let name = name.to_string_lossy();
+    let ladder = climb(
+        &name,
+        &scene,
+        &args.qualities,
+        &view,
+        &truth,
+        args.probes,
+        &mut observer,
+    )
+    .with_context(|| args.scene.display().to_string())?;
+    observer.finish();
+    if progress::is_interrupted() {
+        note("interrupted: keeping the qualities that were measured");
+    }
+    if let Some(folder) = &args.output {
+        for (name, text) in files(&ladder)? {
+            input::write_text(&Path::new(folder).join(name), &text)?;
+        }
+    }
+    super::print(&ladder.markdown())
+}
