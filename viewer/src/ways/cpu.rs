@@ -27,6 +27,12 @@ struct Surfaces {
     tree: Option<CwBvh>,
 }
 
+fn whole_ray(eye: Vec3, direction: DVec3) -> Ray {
+    // The tree misses boxes along a direction that has a negative zero; plus zero it is none.
+    let direction = direction.as_vec3a() + Vec3A::ZERO;
+    Ray::new(eye.into(), direction, 0.0, f32::INFINITY)
+}
+
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy)]
 struct Crossing {
@@ -83,7 +89,7 @@ impl Surfaces {
     fn nearest(&self, eye: Vec3, direction: DVec3, near: f64) -> Option<(usize, Crossing)> {
         let tree = self.tree.as_ref()?;
         let mut best: Option<(usize, Crossing)> = None;
-        let ray = Ray::new(eye.into(), direction.as_vec3a(), 0.0, f32::INFINITY);
+        let ray = whole_ray(eye, direction);
         tree.ray_traverse(ray, &mut RayHit::none(), |ray, slot| {
             let index = tree.primitive_indices[slot] as usize;
             match self.crossing(index, eye, direction) {
@@ -109,7 +115,7 @@ impl Surfaces {
         mut visit: impl FnMut(usize),
     ) {
         let Some(tree) = &self.tree else { return };
-        let ray = Ray::new(eye.into(), direction.as_vec3a(), 0.0, f32::INFINITY);
+        let ray = whole_ray(eye, direction);
         tree.ray_traverse_anyhit(ray, |_, slot| {
             let index = tree.primitive_indices[slot] as usize;
             if let Some(found) = self.crossing(index, eye, direction)
