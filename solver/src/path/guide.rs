@@ -2,15 +2,15 @@
 //!
 //! Paths stay unbiased whatever is learned, since its density is known and mixed with that of the surface. Jensen 1995,
 //! "Importance driven path tracing using the photon map", with directions as in Müller et al. 2017.
-//! Cost: one short walk down a tree per lookup; learning takes a fixed number of photons.
+//! Cost: one short walk down a tree per lookup; learning takes photons until enough have met surfaces, about half a
+//! second.
 
-use super::PathTracer;
-use super::Sampler;
 use super::choice::Choice;
 use super::directions::{Directions, to_square};
 use super::reflectors::Reflectors;
 use super::scatter::Scatterer;
 use super::surface::Surface;
+use super::{PathTracer, Sampler};
 use crate::geometry::sampling::cosine_direction;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ const PHOTONS: u32 = 1 << 18;
 const ENOUGH: usize = 1 << 20;
 /// or after this many rounds: where most light is lost.
 const MOST_ROUNDS: u32 = 16;
-/// Photons that learning takes its numbers from: no picture's paths have them.
+/// Of the random numbers that photons take.
 const SEED: u32 = 0x5eed_0f1e;
 /// Bounces of a photon, at most.
 const MOST_BOUNCES: u32 = 32;

@@ -2,7 +2,8 @@
 //!
 //! Unbiased for every scene: light is what the conventions of the scene say, nothing is clamped, roulette divides by
 //! the chance that it takes. Perfect mirrors and thin glass are followed exactly. It shares scene, BRDFs and visibility
-//! with the solver and nothing else. Normalised coordinates; lengths and lights scale by powers of two bitwise.
+//! with the solver and nothing else. What photons teach about light only chooses. Normalised coordinates; lengths and
+//! lights scale by powers of two bitwise.
 //! Kajiya 1986; Arvo and Kirk 1990 (roulette); Veach 1997, chapter 9 (multiple importance sampling).
 //! Cost: two rays a bounce.
 
@@ -200,7 +201,8 @@ impl PathTracer {
     }
 }
 
-/// Weight of a sample whose density is `own` when another way would have had `other` (Veach 1997, chapter 9: the power heuristic, β = 2).
+/// Weight of a sample whose density is `own` when another way would have had `other` (Veach 1997, chapter 9: the power
+/// heuristic, β = 2).
 fn power_heuristic(own: f32, other: f32) -> f32 {
     if own == f32::INFINITY {
         return 1.0;
