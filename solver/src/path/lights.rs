@@ -250,7 +250,7 @@ impl Light {
 }
 
 /// The point of a triangle, given by a corner and the edges from it, that belongs to a point of the unit square.
-fn on_triangle([corner, ab, ac]: [Vec3; 3], u: f32, v: f32) -> Vec3 {
+pub(super) fn on_triangle([corner, ab, ac]: [Vec3; 3], u: f32, v: f32) -> Vec3 {
     let root = u.sqrt();
     corner + ab * (root * (1.0 - v)) + ac * (root * v)
 }

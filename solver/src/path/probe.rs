@@ -1,5 +1,6 @@
 //! Random places and directions of a scene: where a solution can be held against the truth.
 
+use super::lights::on_triangle;
 use super::{PathTracer, Sampler};
 use crate::geometry::sampling::cosine_direction;
 use crate::radiometry::Rgb;
@@ -58,8 +59,7 @@ impl<'a> Probes<'a> {
         let triangle = &self.tracer.triangles[index as usize];
         let frame = &self.tracer.frame;
         let [a, b, c] = triangle.points.map(|p| frame.points[p as usize]);
-        let root = u.sqrt();
-        let point = a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v);
+        let point = on_triangle([a, b - a, c - a], u, v);
         let front = (b - a).cross(c - a).normalize();
         let normal = if back { -front } else { front };
         let out = cosine_direction(normal, Vec2::new(x, y));
