@@ -115,7 +115,7 @@ impl Settings {
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
-            epsilon: knob(1.0, 0.25),
+            epsilon: knob(0.7, 0.1),
             transport_epsilon: knob(1.5, 0.2),
             least_directional: knob(0.15, 0.01),
             transport_level: step([4, 4, 5, 6]),
