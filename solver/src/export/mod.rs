@@ -43,7 +43,10 @@ pub(crate) fn export(
     mesh.add_corners(&hierarchy);
     let mut lit: Vec<VertexLight> = Vec::new();
     if gather {
-        refine::gather_and_split(&mut hierarchy, &mut mesh, &light, &mut lit, settings, watch);
+        let centres =
+            refine::gather_and_split(&mut hierarchy, &mut mesh, &light, &mut lit, settings, watch);
+
+        refine::keep_means(&hierarchy, &mesh, &centres, prepared, &mut lit);
     }
     mesh.triangulate(&hierarchy);
     if gather && !watch.is_stopped() {

@@ -9,6 +9,7 @@ use crate::radiometry::Rgb;
 use crate::solve::{Prepared, Watch};
 use crate::transport::propagate::Gloss;
 use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
 
 /// Splits leaves above the largest size; glossy ones until they are small against their lobe.
 pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &mut Hierarchy) {
@@ -63,7 +64,8 @@ fn has_deep_edge(hierarchy: &Hierarchy, element: &Element) -> bool {
     })
 }
 
-/// Gathers at all vertices, splits leaves whose centre is mispredicted, and so on down to the smallest size.
+/// Gathers at all vertices, splits leaves whose centre is mispredicted, and so on down to the smallest size. Returns the
+/// irradiance in the middle of nodes, where it was looked at.
 pub(super) fn gather_and_split(
     hierarchy: &mut Hierarchy,
     mesh: &mut Mesh,
@@ -71,15 +73,16 @@ pub(super) fn gather_and_split(
     lit: &mut Vec<VertexLight>,
     settings: &Settings,
     watch: &mut Watch<'_>,
-) {
+) -> Vec<Option<Rgb>> {
     let mut tested = vec![false; hierarchy.nodes.len()];
+    let mut centres: Vec<Option<Rgb>> = vec![None; hierarchy.nodes.len()];
     // Each pass halves the leaves: with size 1 and the smallest edge, no more than this many.
     let passes = (1.0 / settings.min_edge).log2().ceil() as u32 + 1;
     for pass in 0..passes {
         let done = |pass: u32| 0.5 + 0.45 * (1.0 - 0.6f32.powi(pass as i32));
         light.gather_missing(hierarchy, mesh, lit, watch, done(pass)..done(pass + 1));
         if watch.is_stopped() {
-            return;
+            return centres;
         }
         let candidates: Vec<Element> = leaves(hierarchy)
             .filter(|e| {
@@ -90,7 +93,7 @@ pub(super) fn gather_and_split(
             .copied()
             .collect();
         let shared = &*hierarchy;
-        let split: Vec<bool> = candidates
+        let looked: Vec<(bool, Option<Rgb>)> = candidates
             .par_iter()
             .with_max_len(32)
             .map(|element| {
@@ -106,26 +109,76 @@ pub(super) fn gather_and_split(
                 let visible = light.visible_difference(element.material);
                 // Flat and dark surroundings need no look at their centre once they are fairly small.
                 if mean.mean() + spread < visible {
-                    return false;
+                    return (false, None);
                 }
                 let centre = light.irradiance_at_centre(shared, element);
                 let difference = (centre - mean).max(mean - centre).max_channel();
-                difference > settings.mesh_tolerance * (centre.mean().max(mean.mean()) + visible)
+                let most = settings.mesh_tolerance * (centre.mean().max(mean.mean()) + visible);
+                (difference > most, Some(centre))
             })
             .collect();
         tested.resize(hierarchy.nodes.len(), false);
+        centres.resize(hierarchy.nodes.len(), None);
         let mut any = false;
-        for (element, split) in candidates.iter().zip(split) {
+        for (element, (split, centre)) in candidates.iter().zip(looked) {
             tested[element.node as usize] = true;
+            centres[element.node as usize] = centre;
             if split && hierarchy.is_leaf(element.node) {
                 hierarchy.subdivide(element.node);
                 any = true;
             }
         }
         if !any {
-            return;
+            break;
         }
         balance(hierarchy);
         mesh.add_corners(hierarchy);
+    }
+    centres
+}
+
+/// Moves the light at corners so that leaves keep their means: between gathered vertices a light's brightest part is cut
+/// off, and power with it, as much as the tolerance allows. The mean of a quadratic function is two parts of its centre
+/// and one of its four corners, three and one of a triangle; each corner moves by what the leaves around it lack.
+pub(super) fn keep_means(
+    hierarchy: &Hierarchy,
+    mesh: &Mesh,
+    centres: &[Option<Rgb>],
+    prepared: &Prepared,
+    lit: &mut [VertexLight],
+) {
+    let mut lacking = vec![(Rgb::BLACK, 0.0f32); lit.len()];
+    for element in leaves(hierarchy) {
+        let corners: Vec<usize> = mesh
+            .corners(hierarchy, element)
+            .map(|v| v as usize)
+            .filter(|&v| v < lit.len())
+            .collect();
+        let count = corners.len() as f32;
+        let mean = corners
+            .iter()
+            .fold(Rgb::BLACK, |sum, &v| sum + lit[v].irradiance)
+            / count;
+        let share = if element.corner_count() == 3 {
+            3.0 / 4.0
+        } else {
+            2.0 / 3.0
+        };
+        let centre = centres.get(element.node as usize).copied().flatten();
+        let lacks = centre.map_or(Rgb::BLACK, |centre| (centre - mean) * share);
+        let area = hierarchy.node(element.node).area;
+        for vertex in corners {
+            let (sum, weight) = &mut lacking[vertex];
+            *sum += lacks * area;
+            *weight += area;
+        }
+    }
+    for ((light, vertex), (sum, weight)) in lit.iter_mut().zip(&mesh.vertices).zip(lacking) {
+        if weight > 0.0 {
+            let moved = (light.irradiance + sum / weight).max(Rgb::BLACK);
+            let diffuse = prepared.diffuse[vertex.material as usize];
+            light.radiance += (moved - light.irradiance) * diffuse * FRAC_1_PI;
+            light.irradiance = moved;
+        }
     }
 }
