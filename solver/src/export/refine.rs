@@ -11,7 +11,7 @@ use crate::transport::propagate::Gloss;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 
-/// Splits leaves above the largest size; glossy ones until they are small against their lobe.
+/// Splits leaves above the largest size; glossy ones until they are small against their lobe, and flat against it.
 pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &mut Hierarchy) {
     // A lobe moves over a surface as the eye does: at a distance of a third of the scene, its half-width covers this.
     const VIEWING_DISTANCE: f32 = 1.0 / 3.0;
@@ -33,7 +33,9 @@ pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &
         } else {
             settings.max_edge
         };
-        if edge > most {
+        // On curved surfaces a lobe also moves as far as mirror directions turn.
+        let turns = gloss.share > 0.0 && hierarchy.bend(&element) > gloss.width;
+        if edge > most || (turns && edge > settings.min_edge) {
             hierarchy.subdivide(element.node);
         }
     }
