@@ -1,6 +1,7 @@
 //! Linear Rec. 709 triples. Which quantity a triple is (radiance, irradiance, ...) stands with its owner.
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
@@ -30,6 +31,11 @@ impl Rgb {
     /// The same value in every channel.
     pub const fn splat(value: f32) -> Self {
         Self::new(value, value, value)
+    }
+
+    /// The channels in double precision, for sums.
+    pub fn to_dvec3(self) -> DVec3 {
+        DVec3::from_array(self.to_array().map(f64::from))
     }
 
     /// Largest channel.

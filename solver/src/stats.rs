@@ -62,10 +62,13 @@ pub struct SolveStats {
     pub emitted_w: f64,
     /// Power absorbed by surfaces [W].
     pub absorbed_w: f64,
-    /// Power not yet followed when the iteration stopped [W].
+    /// Power not yet followed when the solve was stopped [W]. Otherwise zero: what few iterations leave is summed as the
+    /// series that it would become.
     pub unshot_w: f64,
     /// Power that left the scene [W], measured by rays of its own.
     pub escaped_w: f64,
+    /// Power that links lost and that their receivers were given back [W]; negative where they had gained.
+    pub corrected_w: f64,
     /// Largest resident memory of the process [B].
     pub peak_rss_bytes: u64,
     /// Memory by kind.

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 #![allow(clippy::print_stdout, reason = "figures are read from the output")]
 
+use glam::Vec3;
+use sheen_solver::config::Quality;
 use sheen_solver::{Scene, SolveConfig, solve};
 use sheen_tests::measure::{extremes, front_triangles, mean_radiance, mean_radiance_of};
 use sheen_tests::shared::shared;
@@ -128,5 +130,46 @@ fn mean_irradiance_of_a_closed_cube_is_exact() {
                 FURNACE,
             );
         }
+    }
+}
+
+/// How far light in rooms that lose a thousandth at each reflection may be off.
+const BRIGHT: f64 = 0.005;
+
+#[test]
+fn a_room_that_loses_a_thousandth_sums_a_thousand_reflections() {
+    let mut builder = scenes::Builder::new();
+    let shining = builder.lambert("shining", 0.999, 1.0);
+    builder.room(Vec3::ZERO, Vec3::ONE, [shining; 6]);
+    let shining = builder.build();
+    let lit = scenes::cube_with_lit_ceiling(1.0, 0.999);
+    for quality in [Quality::PREVIEW, Quality::DEFAULT] {
+        let config = SolveConfig {
+            quality,
+            ..SolveConfig::default()
+        };
+        let of = |scene: &Scene| {
+            let solution = solve(scene, &config, &mut ()).unwrap();
+            let fronts: Vec<usize> = front_triangles(scene, &solution)
+                .into_iter()
+                .map(|front| front.0)
+                .collect();
+            (solution, fronts)
+        };
+        // 1 / (1 - 0.999) everywhere.
+        let (solution, fronts) = of(&shining);
+        let corners = fronts.iter().flat_map(|&t| solution.triangles[t]);
+        let (low, high) = extremes(corners.map(|v| solution.radiance[v as usize]));
+        println!("shining: {low} to {high}, {quality:?}");
+        for value in [low, high] {
+            assert_close("a vertex", f64::from(value), 1000.0, BRIGHT);
+        }
+        // One sixth of the room emits 1/π: all light is a thousand times that. It is even but for the ceiling's own
+        // emission and what of it meets the walls at once.
+        let (solution, fronts) = of(&lit);
+        let (mean, _) = mean_radiance(&solution, fronts);
+        assert_close("mean", mean, 1000.0 / 6.0 / PI, BRIGHT);
+        let floor = mean_radiance_of(&lit, &solution, "floor");
+        println!("lit: {mean} in the mean, {floor} on the floor, {quality:?}");
     }
 }

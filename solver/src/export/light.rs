@@ -1,7 +1,7 @@
 //! Light at the vertices of the mesh: gathered there with the bounded propagation, or averaged from the elements
 //! around (§5.2).
 
-use super::mesh::{Mesh, Vertex};
+use super::mesh::{Mesh, Vertex, leaves};
 use super::place::Place;
 use crate::config::Settings;
 use crate::directional::{Projection, Projector, Source, packed};
@@ -16,7 +16,7 @@ use crate::transport::propagate::{Environment, Gloss, LinkStats};
 use crate::transport::reflect::{ReflectConfig, reflect};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 use std::ops::Range;
 
 /// What a vertex shows.
@@ -141,6 +141,31 @@ impl<'a> Light<'a> {
             &mut samples,
         );
         crate::transport::illumination::irradiance(&samples, normal)
+    }
+
+    /// Leaves whose light is shown in their middle too, of those where its irradiance is known: diffuse ones.
+    pub(super) fn known_centres(
+        &self,
+        hierarchy: &Hierarchy,
+        centres: &[Option<Rgb>],
+    ) -> Vec<(Element, Rgb)> {
+        leaves(hierarchy)
+            .filter(|element| self.prepared.lobes[element.material as usize].is_none())
+            .filter_map(|element| {
+                let irradiance = centres.get(element.node as usize).copied().flatten()?;
+                Some((*element, irradiance))
+            })
+            .collect()
+    }
+
+    /// What a diffuse element shows under an irradiance.
+    pub(super) fn diffuse(&self, element: &Element, irradiance: Rgb) -> VertexLight {
+        let reflected = irradiance * self.prepared.diffuse[element.material as usize];
+        VertexLight {
+            irradiance,
+            radiance: reflected * FRAC_1_PI + self.emission(element),
+            ..VertexLight::default()
+        }
     }
 
     /// Gathers at every vertex of `mesh` that is not in `lit` yet; a stopped solve leaves some out. Its progress runs
@@ -272,7 +297,7 @@ impl<'a> Light<'a> {
         let mut mean_radiance = 0.0;
         for &(id, part) in &lit {
             let exitance = self.total.power[id as usize] / hierarchy.node(id).area;
-            mean_radiance += exitance * std::f32::consts::FRAC_1_PI * (part / area);
+            mean_radiance += exitance * FRAC_1_PI * (part / area);
             light.radiance += self.total.diffuse[id as usize] * (part / area);
             light.irradiance += self.irradiance[id as usize] * (part / area);
         }

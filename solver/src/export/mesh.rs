@@ -1,7 +1,7 @@
 //! The conforming leaf mesh: shared vertices, no T-junctions.
 //!
 //! Edge midpoints are shared points of the hierarchy, whatever surface they belong to; after 2:1 balancing a leaf
-//! has at most one hanging point an edge, and templates triangulate it with them. Cost: linear in the leaves.
+//! has at most one hanging point an edge; a fan from its middle, where that has a vertex, or templates triangulate it. Cost: linear in the leaves.
 
 use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
 use glam::Vec3;
@@ -27,6 +27,8 @@ pub(super) struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     pub element_edges: Vec<u8>,
     index: FxHashMap<Key, u32>,
+    /// Vertices in the middle of leaves.
+    centres: FxHashMap<NodeId, u32>,
 }
 
 /// Point, material and normal in steps of 1/1024: one vertex a smooth surface.
@@ -90,6 +92,20 @@ impl Mesh {
         }
     }
 
+    /// Makes a vertex in the middle of a leaf.
+    pub(super) fn add_centre(&mut self, hierarchy: &mut Hierarchy, element: &Element) {
+        let vertex = Vertex {
+            point: hierarchy.points.len() as u32,
+            normal: hierarchy.shading_normal(element),
+            material: element.material,
+            leaf: element.node,
+        };
+        hierarchy.points.push(hierarchy.node(element.node).centre);
+        self.centres
+            .insert(element.node, self.vertices.len() as u32);
+        self.vertices.push(vertex);
+    }
+
     /// The leaves around each vertex in order, those included that have it on an edge.
     pub(super) fn leaves_around(&self, hierarchy: &Hierarchy) -> Vec<Vec<NodeId>> {
         let mut around: Vec<Vec<NodeId>> = vec![Vec::new(); self.vertices.len()];
@@ -148,7 +164,14 @@ impl Mesh {
             let ring: Vec<(u32, bool)> = ring(hierarchy, &element)
                 .map(|(point, normal, is_corner)| (self.vertex(point, normal, &element), is_corner))
                 .collect();
-            self.fill(hierarchy, &ring, element.corner_count());
+            match self.centres.get(&element.node).copied() {
+                Some(centre) => {
+                    for (i, &(vertex, _)) in ring.iter().enumerate() {
+                        self.push([vertex, ring[(i + 1) % ring.len()].0, centre], 0b001);
+                    }
+                }
+                None => self.fill(hierarchy, &ring, element.corner_count()),
+            }
         }
     }
 

@@ -45,8 +45,12 @@ pub(crate) fn export(
     if gather {
         let centres =
             refine::gather_and_split(&mut hierarchy, &mut mesh, &light, &mut lit, settings, watch);
-
-        refine::keep_means(&hierarchy, &mesh, &centres, prepared, &mut lit);
+        if !watch.is_stopped() {
+            for (element, irradiance) in light.known_centres(&hierarchy, &centres) {
+                mesh.add_centre(&mut hierarchy, &element);
+                lit.push(light.diffuse(&element, irradiance));
+            }
+        }
     }
     mesh.triangulate(&hierarchy);
     if gather && !watch.is_stopped() {

@@ -9,7 +9,6 @@ use crate::radiometry::Rgb;
 use crate::solve::{Prepared, Watch};
 use crate::transport::propagate::Gloss;
 use rayon::prelude::*;
-use std::f32::consts::FRAC_1_PI;
 
 /// Splits leaves above the largest size; glossy ones until they are small against their lobe, and flat against it.
 pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &mut Hierarchy) {
@@ -137,50 +136,4 @@ pub(super) fn gather_and_split(
         mesh.add_corners(hierarchy);
     }
     centres
-}
-
-/// Moves the light at corners so that leaves keep their means: between gathered vertices a light's brightest part is cut
-/// off, and power with it, as much as the tolerance allows. The mean of a quadratic function is two parts of its centre
-/// and one of its four corners, three and one of a triangle; each corner moves by what the leaves around it lack.
-pub(super) fn keep_means(
-    hierarchy: &Hierarchy,
-    mesh: &Mesh,
-    centres: &[Option<Rgb>],
-    prepared: &Prepared,
-    lit: &mut [VertexLight],
-) {
-    let mut lacking = vec![(Rgb::BLACK, 0.0f32); lit.len()];
-    for element in leaves(hierarchy) {
-        let corners: Vec<usize> = mesh
-            .corners(hierarchy, element)
-            .map(|v| v as usize)
-            .filter(|&v| v < lit.len())
-            .collect();
-        let count = corners.len() as f32;
-        let mean = corners
-            .iter()
-            .fold(Rgb::BLACK, |sum, &v| sum + lit[v].irradiance)
-            / count;
-        let share = if element.corner_count() == 3 {
-            3.0 / 4.0
-        } else {
-            2.0 / 3.0
-        };
-        let centre = centres.get(element.node as usize).copied().flatten();
-        let lacks = centre.map_or(Rgb::BLACK, |centre| (centre - mean) * share);
-        let area = hierarchy.node(element.node).area;
-        for vertex in corners {
-            let (sum, weight) = &mut lacking[vertex];
-            *sum += lacks * area;
-            *weight += area;
-        }
-    }
-    for ((light, vertex), (sum, weight)) in lit.iter_mut().zip(&mesh.vertices).zip(lacking) {
-        if weight > 0.0 {
-            let moved = (light.irradiance + sum / weight).max(Rgb::BLACK);
-            let diffuse = prepared.diffuse[vertex.material as usize];
-            light.radiance += (moved - light.irradiance) * diffuse * FRAC_1_PI;
-            light.irradiance = moved;
-        }
-    }
 }

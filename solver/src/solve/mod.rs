@@ -1,6 +1,8 @@
 //! Entry to a solve: scene in, solution out, with an observer that may stop it.
 
+mod escape;
 mod prepare;
+mod series;
 mod shooting;
 
 use crate::config::{Quality, Settings};

@@ -3,11 +3,12 @@
 //! New samples are reflected once, then appended to the accumulated ones; distributions live for one iteration. At
 //! the end all accumulated samples are reflected together: that is the exitant light that the export gathers.
 
+use super::escape::{Escape, escape};
+use super::series::{Drift, conserving, geometric};
 use super::{Prepared, Watch};
 use crate::config::Settings;
 use crate::directional::Projector;
 use crate::error::SolveError;
-use crate::geometry::hash;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::stats::Stats;
@@ -17,9 +18,9 @@ use crate::transport::openness::Openness;
 use crate::transport::propagate::{Accuracy, Gloss, LinkRecord, LinkStats, Propagation};
 use crate::transport::pull::pull;
 use crate::transport::reflect::{ReflectConfig, Reflected, reflect};
-use glam::Vec2;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::f32::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -100,6 +101,17 @@ pub fn first_links(prepared: &Prepared, settings: &Settings) -> FirstLinks {
     }
 }
 
+/// Power that all surfaces receive and that they send on, per channel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ledger {
+    received: DVec3,
+    exitance: DVec3,
+}
+
+fn mean(light: DVec3) -> f64 {
+    light.element_sum() / 3.0
+}
+
 /// The state of the iteration.
 pub(crate) struct Shooting<'a> {
     prepared: &'a Prepared,
@@ -148,95 +160,166 @@ impl<'a> Shooting<'a> {
     }
 
     fn run(&mut self, watch: &mut Watch<'_>) -> Result<(), SolveError> {
-        let point_power: f64 = self
-            .prepared
-            .frame
-            .point_lights
-            .iter()
-            .map(|l| f64::from(4.0 * PI * l.1.mean()))
-            .sum();
-        let emitted = f64::from(self.unshot.power.first().copied().unwrap_or(0.0)) + point_power;
-        self.stats.solve.emitted_w = emitted;
-        self.stats.solve.unshot_w = emitted;
+        let point_lights = &self.prepared.frame.point_lights;
+        let of_lights = point_lights.iter().map(|l| l.1.to_dvec3() * 4.0 * PI);
+        // Unshot light as `unshot` has it, and what it must be multiplied with.
+        let mut sent = self.emitted() + of_lights.sum::<DVec3>();
+        let mut factor = DVec3::ONE;
+        let emitted = mean(sent);
+        let solve = &mut self.stats.solve;
+        (solve.emitted_w, solve.unshot_w) = (emitted, emitted);
         if emitted <= 0.0 {
             return Ok(());
         }
         let goal = f64::from(self.settings.unshot_share);
-        let environment = self.prepared.environment();
+        let mut drift = Drift::default();
+        // All light so far, and what of it is not right yet.
+        let (mut all, mut open) = (emitted, emitted);
         for iteration in 0..MAX_ITERATIONS {
-            // Each reflection weakens the light: progress goes with the logarithm of what is unshot.
-            let share = self.stats.solve.unshot_w / emitted;
-            let done = 0.5 * (1.0 - (share / goal).ln() / (1.0 / goal).ln()) as f32;
-            let started = Instant::now();
-            let propagation = Propagation {
-                environment: &environment,
-                exitant: &self.unshot,
-                node_count: self.hierarchy.nodes.len(),
-                cluster_gloss: &self.cluster_gloss,
-                accuracy: Accuracy {
-                    tolerance: self.settings.link_tolerance * emitted as f32,
-                    most_irradiance: self.settings.link_irradiance * emitted as f32
-                        / self.hierarchy.node(0).area,
-                    min_radius: self.settings.min_radius,
-                    strata: self.settings.strata,
-                },
-                with_point_lights: iteration == 0,
-                record: false,
-            };
-            let mut new = SampleSets::default();
-            let mut report = || watch.report("light transport", done);
-            let links =
-                propagation.run(&mut self.hierarchy, &mut new, &mut Vec::new(), &mut report);
-            self.links.add(&links);
-            self.stats.solve.illumination_samples += new.len() as u64;
-            self.stats.solve.phases_s.propagate += started.elapsed().as_secs_f64();
+            // Each reflection weakens the light: progress goes with the logarithm of what is open.
+            let done = 0.5 * (1.0 - (open / all / goal).ln() / (1.0 / goal).ln()) as f32;
+            let escape = self.escape(iteration == 0, mean(sent * factor) / emitted);
+            let mut new = self.propagated(iteration == 0, emitted, watch, done);
+            let before = std::mem::take(&mut self.unshot);
+            let reflected = self.reflected_new(&new, emitted);
+            self.stats.solve.iterations = iteration + 1;
+            self.check_finite(iteration)?;
 
-            let started = Instant::now();
-            let config = self.reflect_config(emitted);
-            self.unshot = self.reflected(&new, &config, false).0;
-            self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
-            let started = Instant::now();
-            pull(
-                &self.hierarchy,
-                &mut self.unshot,
-                self.settings.transport_epsilon,
-            );
-            self.stats.solve.phases_s.pull += started.elapsed().as_secs_f64();
+            let stopped = watch.is_stopped();
+            let correction = if stopped || !self.prepared.glass.is_empty() {
+                DVec3::ONE
+            } else {
+                conserving(sent, &escape, reflected.received)
+            };
+            let shot = sent * factor;
+            factor *= correction;
+            let left = reflected.exitance * factor;
+            let tail = if stopped {
+                DVec3::ONE
+            } else {
+                geometric(shot, left)
+            };
+            let to_come = mean(left * tail);
+            all += mean(left);
+            let moved = drift.left(&self.hierarchy, &before, &self.unshot);
+            open = to_come * moved.min(1.0);
+            let is_last = stopped || mean(left) <= goal * emitted || open <= goal * (all + to_come);
+
+            // The last iteration stands for all that would follow.
+            let weight = if is_last { factor * tail } else { factor };
+            new.scale(Rgb::from(weight.to_array().map(|c| c as f32)));
             let started = Instant::now();
             self.accumulated.absorb(new);
-            self.stats.solve.phases_s.push += started.elapsed().as_secs_f64();
-
-            self.stats.solve.iterations = iteration + 1;
-            let unshot = f64::from(self.unshot.power[0]);
-            if !unshot.is_finite() {
-                let element = self
-                    .unshot
-                    .power
-                    .iter()
-                    .position(|p| !p.is_finite())
-                    .unwrap_or(0);
-                return Err(SolveError::NotFinite {
-                    iteration: iteration as usize,
-                    element: element as u32,
-                });
-            }
-            self.stats.solve.unshot_w = unshot;
-            self.stats.solve.bytes.distributions = self
-                .stats
-                .solve
-                .bytes
-                .distributions
-                .max(self.unshot.bytes() as u64);
-            if unshot <= goal * emitted || watch.is_stopped() {
+            let solve = &mut self.stats.solve;
+            solve.phases_s.push += started.elapsed().as_secs_f64();
+            let weight = if is_last { tail } else { DVec3::ONE };
+            solve.escaped_w += mean(escape.share * shot * weight);
+            solve.corrected_w += mean(reflected.received * (factor - factor / correction) * weight);
+            sent = reflected.exitance;
+            if is_last {
+                solve.unshot_w = if stopped { mean(left) } else { 0.0 };
                 break;
             }
+            solve.unshot_w = mean(left);
         }
         Ok(())
     }
 
+    /// What leaves emit, per channel.
+    fn emitted(&self) -> DVec3 {
+        let of_leaf = |id: NodeId| {
+            let area = f64::from(self.hierarchy.node(id).area);
+            self.unshot.diffuse[id as usize].to_dvec3() * (PI * area)
+        };
+        let leaves = self.hierarchy.elements.iter().map(|element| element.node);
+        let leaves = leaves.filter(|&id| self.hierarchy.is_leaf(id));
+        leaves.map(of_leaf).sum()
+    }
+
+    /// Propagates the unshot light.
+    fn propagated(
+        &mut self,
+        with_point_lights: bool,
+        emitted: f64,
+        watch: &mut Watch<'_>,
+        done: f32,
+    ) -> SampleSets {
+        let started = Instant::now();
+        let environment = self.prepared.environment();
+        let propagation = Propagation {
+            environment: &environment,
+            exitant: &self.unshot,
+            node_count: self.hierarchy.nodes.len(),
+            cluster_gloss: &self.cluster_gloss,
+            accuracy: Accuracy {
+                tolerance: self.settings.link_tolerance * emitted as f32,
+                most_irradiance: self.settings.link_irradiance * emitted as f32
+                    / self.hierarchy.node(0).area,
+                min_radius: self.settings.min_radius,
+                strata: self.settings.strata,
+            },
+            with_point_lights,
+            record: false,
+        };
+        let mut new = SampleSets::default();
+        let mut report = || watch.report("light transport", done);
+        let links = propagation.run(&mut self.hierarchy, &mut new, &mut Vec::new(), &mut report);
+        self.links.add(&links);
+        let solve = &mut self.stats.solve;
+        solve.illumination_samples += new.len() as u64;
+        solve.phases_s.propagate += started.elapsed().as_secs_f64();
+        new
+    }
+
+    /// What of the unshot light, a `share` of the emitted, leaves the scene.
+    fn escape(&self, with_point_lights: bool, share: f64) -> Escape {
+        const RAYS: f64 = 524_288.0;
+        const LEAST_RAYS: f64 = 4096.0;
+        let lights: &[(Vec3, Rgb)] = if with_point_lights {
+            &self.prepared.frame.point_lights
+        } else {
+            &[]
+        };
+        let rays = (RAYS * share).clamp(LEAST_RAYS, RAYS) as u32;
+        escape(self.prepared, &self.hierarchy, &self.unshot, lights, rays)
+    }
+
+    /// Makes what `new` samples leave the unshot light.
+    fn reflected_new(&mut self, new: &SampleSets, emitted: f64) -> Ledger {
+        let started = Instant::now();
+        let config = self.reflect_config(emitted);
+        let (unshot, _, ledger) = self.reflected(new, &config, false);
+        self.unshot = unshot;
+        self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        pull(
+            &self.hierarchy,
+            &mut self.unshot,
+            self.settings.transport_epsilon,
+        );
+        let solve = &mut self.stats.solve;
+        solve.phases_s.pull += started.elapsed().as_secs_f64();
+        let bytes = &mut solve.bytes.distributions;
+        *bytes = (*bytes).max(self.unshot.bytes() as u64);
+        ledger
+    }
+
+    /// Errors: light that is not finite after `iteration`.
+    fn check_finite(&self, iteration: u64) -> Result<(), SolveError> {
+        let powers = &self.unshot.power;
+        if powers[0].is_finite() {
+            return Ok(());
+        }
+        let element = powers.iter().position(|p| !p.is_finite()).unwrap_or(0);
+        Err(SolveError::NotFinite {
+            iteration: iteration as usize,
+            element: element as u32,
+        })
+    }
+
     fn reflect_config(&self, emitted: f64) -> ReflectConfig {
         // The mean radiance of the scene were all its light spread evenly.
-        let mean = emitted as f32 / (PI * self.hierarchy.node(0).area);
+        let mean = (emitted / (PI * f64::from(self.hierarchy.node(0).area))) as f32;
         ReflectConfig {
             epsilon: self.settings.transport_epsilon,
             max_level: self.settings.transport_level,
@@ -246,13 +329,13 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// Exitant light of all leaves in answer to `samples`, not pulled yet; irradiance per node and absorbed power.
+    /// Exitant light of all leaves in answer to `samples`, not pulled yet; irradiance per node; and the sums.
     fn reflected(
         &mut self,
         samples: &SampleSets,
         config: &ReflectConfig,
         emission: bool,
-    ) -> (Exitant, Vec<Rgb>, f64) {
+    ) -> (Exitant, Vec<Rgb>, Ledger) {
         let hierarchy = &self.hierarchy;
         let prepared = self.prepared;
         let leaves: Vec<NodeId> = hierarchy
@@ -294,11 +377,11 @@ impl<'a> Shooting<'a> {
             .collect();
         let mut exitant = Exitant::dark(hierarchy.nodes.len());
         let mut irradiance = vec![Rgb::BLACK; hierarchy.nodes.len()];
-        let mut absorbed = 0.0f64;
+        let mut ledger = Ledger::default();
         for (&id, reflected) in leaves.iter().zip(reflected) {
             let area = hierarchy.node(id).area;
-            absorbed +=
-                f64::from((reflected.irradiance - reflected.exitance).mean()) * f64::from(area);
+            ledger.received += reflected.irradiance.to_dvec3() * f64::from(area);
+            ledger.exitance += reflected.exitance.to_dvec3() * f64::from(area);
             irradiance[id as usize] = reflected.irradiance;
             if emission {
                 emit(prepared, hierarchy, id, &mut exitant);
@@ -315,28 +398,18 @@ impl<'a> Shooting<'a> {
             self.stats.solve.basis_functions += reflected.cost.basis_functions;
             self.stats.solve.brdf_evaluations += reflected.brdf_evaluations;
         }
-        (exitant, irradiance, absorbed)
+        (exitant, irradiance, ledger)
     }
 
     fn finish(mut self) -> Transported {
         let started = Instant::now();
         let config = self.reflect_config(self.stats.solve.emitted_w);
         let samples = std::mem::take(&mut self.accumulated);
-        let (mut total, irradiance, absorbed) = self.reflected(&samples, &config, true);
+        let (mut total, irradiance, ledger) = self.reflected(&samples, &config, true);
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
-        let escaped = self.escaped(&total);
         pull(&self.hierarchy, &mut total, self.settings.transport_epsilon);
         let solve = &mut self.stats.solve;
-        solve.absorbed_w = absorbed;
-        // What the last reflection left has not been followed: its part of what would escape is not counted.
-        let followed = 1.0
-            - solve.unshot_w
-                / f64::from(total.power.first().copied().unwrap_or(0.0)).max(solve.unshot_w);
-        solve.escaped_w = if escaped > 0.0 {
-            escaped * followed
-        } else {
-            0.0
-        };
+        solve.absorbed_w = mean(ledger.received - ledger.exitance);
         solve.elements = self.hierarchy.elements.len() as u64;
         solve.leaves = self
             .hierarchy
@@ -361,6 +434,7 @@ impl<'a> Shooting<'a> {
             &mut solve.absorbed_w,
             &mut solve.unshot_w,
             &mut solve.escaped_w,
+            &mut solve.corrected_w,
         ] {
             *watts = self.prepared.frame.power(*watts) * 3.0;
         }
@@ -374,60 +448,6 @@ impl<'a> Shooting<'a> {
             stats: self.stats,
         }
     }
-
-    /// Power that leaves the scene [mean over channels], by rays of its own: cosine-distributed from every leaf, in
-    /// proportion to its power, and weighted with its radiance in their direction.
-    fn escaped(&self, exitant: &Exitant) -> f64 {
-        const RAYS_IN_ALL: f64 = 524_288.0;
-        let leaves: Vec<NodeId> = self
-            .hierarchy
-            .elements
-            .iter()
-            .map(|e| e.node)
-            .filter(|&id| self.hierarchy.is_leaf(id) && exitant.peak[id as usize] > 0.0)
-            .collect();
-        let sent: f64 = leaves
-            .iter()
-            .map(|&id| f64::from(exitant.power[id as usize]))
-            .sum();
-        let of_leaf = |id: NodeId| -> f64 {
-            let element = &self.hierarchy.elements[self.hierarchy.node(id).element as usize];
-            let (tangent, bitangent) = element.normal.any_orthonormal_pair();
-            let share = f64::from(exitant.power[id as usize]) / sent;
-            let rays = 8 + (RAYS_IN_ALL * share) as u32;
-            let (mut escaped, mut sent) = (0.0f64, 0.0f64);
-            for ray in 0..rays {
-                // A rank-1 lattice: radius by order, the rest by multiples of irrational steps.
-                let u = |step: f32, salt: u32| (ray as f32 * step + hash::unit(id, salt)).fract();
-                let from = element
-                    .polygon
-                    .point(Vec2::new(u(0.754_877_7, 0), u(0.569_840_3, 1)));
-                let r = ((ray as f32 + 0.5) / rays as f32).sqrt();
-                let phi = TAU * u(0.618_034, 2);
-                let direction = tangent * (r * phi.cos())
-                    + bitangent * (r * phi.sin())
-                    + element.normal * (1.0 - r * r).max(0.0).sqrt();
-                let radiance = exitant.towards(id, direction);
-                sent += f64::from(radiance.mean());
-                let passed = self
-                    .prepared
-                    .occluders
-                    .escape(from, direction, element.patch);
-                escaped += f64::from((radiance * passed).mean());
-            }
-            if sent > 0.0 {
-                escaped / sent * f64::from(exitant.power[id as usize])
-            } else {
-                0.0
-            }
-        };
-        let parts: Vec<f64> = leaves
-            .par_iter()
-            .with_max_len(64)
-            .map(|&id| of_leaf(id))
-            .collect();
-        parts.iter().sum()
-    }
 }
 
 /// Adds what the leaf element `id` emits.
@@ -438,7 +458,8 @@ fn emit(prepared: &Prepared, hierarchy: &Hierarchy, id: NodeId, exitant: &mut Ex
         let at = id as usize;
         exitant.diffuse[at] += material.emission;
         exitant.peak[at] += material.emission.mean();
-        exitant.power[at] += PI * hierarchy.node(id).area * material.emission.mean();
+        exitant.power[at] +=
+            std::f32::consts::PI * hierarchy.node(id).area * material.emission.mean();
     }
 }
 
@@ -448,7 +469,7 @@ fn gloss_of_clusters(prepared: &Prepared, hierarchy: &Hierarchy) -> Vec<Gloss> {
     let mut gloss = vec![
         Gloss {
             share: 0.0,
-            width: PI
+            width: std::f32::consts::PI
         };
         hierarchy.nodes.len()
     ];

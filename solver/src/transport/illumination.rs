@@ -179,6 +179,13 @@ impl SampleSets {
         }
     }
 
+    /// Scales the light of all samples.
+    pub fn scale(&mut self, factor: Rgb) {
+        for sample in self.sets.iter_mut().flatten() {
+            sample.irradiance = sample.irradiance * factor;
+        }
+    }
+
     /// "Push": appends the samples of the leaf `id` and its ancestors to `field`, each as seen from its middle. With
     /// `keep_directions` they change their strength only. What clusters received is shared out by `openness`.
     pub fn field(
