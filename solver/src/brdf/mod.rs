@@ -94,6 +94,20 @@ impl Lobe {
         }
     }
 
+    /// The largest albedo, and its mean over a hemisphere that is lit evenly.
+    pub(crate) fn albedo_range(&self) -> (f32, f32) {
+        let largest = self.albedo.iter().copied().fold(0.0, f32::max);
+        // ∫ 2 c a(c) dc with a linear between entries: Simpson's rule is exact.
+        let step = 1.0 / (ALBEDO_ENTRIES - 1) as f32;
+        let pairs = self.albedo.windows(2).enumerate();
+        let mean = pairs.map(|(i, pair)| {
+            let (from, to) = (i as f32 * step, (i + 1) as f32 * step);
+            let middle = 0.25 * (from + to) * (pair[0] + pair[1]);
+            (from * pair[0] + 4.0 * middle + to * pair[1]) * step / 3.0
+        });
+        (largest, mean.sum())
+    }
+
     /// Share of the light from an angle with cosine `cos_i` that a lobe with specular = 1 reflects.
     pub fn albedo(&self, cos_i: f32) -> f32 {
         let x = cos_i.clamp(0.0, 1.0) * (ALBEDO_ENTRIES - 1) as f32;

@@ -7,7 +7,7 @@ use crate::config::Settings;
 use crate::directional::{Projection, Projector, Source, packed};
 use crate::hierarchy::{Element, Hierarchy, NodeId};
 use crate::radiometry::Rgb;
-use crate::solve::{Prepared, Transported, Watch};
+use crate::solve::{Emission, Prepared, Transported, Watch};
 use crate::transport::exitant::Exitant;
 use crate::transport::gather::Gather;
 use crate::transport::illumination::IlluminationSample;
@@ -95,9 +95,7 @@ impl<'a> Light<'a> {
     /// Irradiance below which differences on a material do not matter: a share of the mean, more on dark materials
     /// and on lamps, which outshine what they reflect.
     pub(super) fn visible_difference(&self, material: u32) -> f32 {
-        let emission = self.prepared.frame.materials[material as usize]
-            .emission
-            .mean();
+        let emission = self.prepared.emission[material as usize].even.mean();
         0.13 * self.typical_irradiance + 0.15 * PI * emission
     }
 
@@ -163,7 +161,7 @@ impl<'a> Light<'a> {
         let reflected = irradiance * self.prepared.diffuse[element.material as usize];
         VertexLight {
             irradiance,
-            radiance: reflected * FRAC_1_PI + self.emission(element),
+            radiance: reflected * FRAC_1_PI + self.emission(element).even,
             ..VertexLight::default()
         }
     }
@@ -239,13 +237,14 @@ impl<'a> Light<'a> {
             vertex.normal,
             self.prepared.diffuse[material],
             lobe,
+            self.emission(element).compensating,
             &config,
             bend,
             projector,
         );
         VertexLight {
             irradiance: reflected.irradiance,
-            radiance: reflected.diffuse + self.emission(element),
+            radiance: reflected.diffuse + self.emission(element).even,
             distribution: reflected.distribution,
             stats,
             brdf_evaluations: reflected.brdf_evaluations,
@@ -253,13 +252,8 @@ impl<'a> Light<'a> {
         }
     }
 
-    fn emission(&self, element: &Element) -> Rgb {
-        let material = &self.prepared.frame.materials[element.material as usize];
-        if !element.back || material.emits_from_back {
-            material.emission
-        } else {
-            Rgb::BLACK
-        }
+    fn emission(&self, element: &Element) -> Emission {
+        self.prepared.emission(element.patch, element.back)
     }
 
     /// Gives every vertex that is not in `lit` yet the mean of the leaves around it, weighted by area (§5.2).

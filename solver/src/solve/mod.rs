@@ -10,7 +10,7 @@ use crate::error::SolveError;
 use crate::export;
 use crate::scene::Scene;
 use crate::solution::Solution;
-pub use prepare::Prepared;
+pub use prepare::{Emission, Prepared};
 pub(crate) use shooting::transport;
 pub use shooting::{FirstLinks, Transported, first_links};
 use std::ops::ControlFlow;

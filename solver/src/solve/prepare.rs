@@ -7,12 +7,22 @@ use crate::hierarchy::patch::{Patch, merge};
 use crate::hierarchy::reach::{Side, lit_sides};
 use crate::normalise::Normalised;
 use crate::radiometry::Rgb;
-use crate::scene::{Scene, Triangle};
+use crate::scene::{Material, Scene, Triangle};
 use crate::transport::propagate::Environment;
 use crate::transport::region::PatchTree;
 use crate::transport::visibility::{NO_PATCH, Occluder, Occluders};
 use glam::Vec3;
 use std::time::Instant;
+
+/// What a material emits, normalised.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Emission {
+    /// Radiance in every direction.
+    pub even: Rgb,
+    /// Radiance that comes on top of it, times what the lobe's albedo in a direction lacks of its largest: black but in
+    /// a furnace.
+    pub compensating: Rgb,
+}
 
 /// A scene made ready for its solve.
 pub struct Prepared {
@@ -36,6 +46,8 @@ pub struct Prepared {
     pub lobes: Vec<Option<Lobe>>,
     /// Diffuse reflectance per material.
     pub diffuse: Vec<Rgb>,
+    /// What sides that emit do emit, per material.
+    pub emission: Vec<Emission>,
     /// Time that this took [s].
     pub seconds: f64,
 }
@@ -89,7 +101,13 @@ impl Prepared {
         let glass: Vec<[Vec3; 3]> = clear.iter().map(corners).collect();
         let tree = PatchTree::new(&shapes, &glass);
         let diffuse = frame.materials.iter().map(|m| m.diffuse).collect();
+        let even = |material: &Material| Emission {
+            even: material.emission,
+            compensating: Rgb::BLACK,
+        };
+        let emission = frame.materials.iter().map(even).collect();
         Self {
+            emission,
             glass,
             glass_material: clear.iter().map(|t| t.material).collect(),
             tree,
@@ -101,6 +119,15 @@ impl Prepared {
             lobes,
             diffuse,
             seconds: started.elapsed().as_secs_f64(),
+        }
+    }
+
+    /// What the side of a patch emits.
+    pub fn emission(&self, patch: u32, back: bool) -> Emission {
+        if self.lit[patch as usize][usize::from(back)].emits {
+            self.emission[self.patches[patch as usize].material as usize]
+        } else {
+            Emission::default()
         }
     }
 

@@ -5,7 +5,7 @@
 
 use super::escape::{Escape, escape};
 use super::series::{Drift, conserving, geometric};
-use super::{Prepared, Watch};
+use super::{Emission, Prepared, Watch};
 use crate::config::Settings;
 use crate::directional::Projector;
 use crate::error::SolveError;
@@ -118,6 +118,8 @@ pub(crate) struct Shooting<'a> {
     settings: &'a Settings,
     hierarchy: Hierarchy,
     accumulated: SampleSets,
+    /// Emitted power of surfaces.
+    emitted: DVec3,
     unshot: Exitant,
     cluster_gloss: Vec<Gloss>,
     openness: Openness,
@@ -138,32 +140,37 @@ impl<'a> Shooting<'a> {
         stats.scene.patches = hierarchy.elements.len() as u64;
         let glossy = |e: &&crate::hierarchy::Element| prepared.lobes[e.material as usize].is_some();
         stats.scene.glossy_patches = hierarchy.elements.iter().filter(glossy).count() as u64;
-        let mut unshot = Exitant::dark(hierarchy.nodes.len());
-        for element in &hierarchy.elements {
-            emit(prepared, &hierarchy, element.node, &mut unshot);
-        }
-        pull(&hierarchy, &mut unshot, settings.transport_epsilon);
         let cluster_gloss = gloss_of_clusters(prepared, &hierarchy);
         let openness = Openness::new(&hierarchy, &prepared.occluders);
         stats.solve.phases_s.hierarchy = prepared.seconds + started.elapsed().as_secs_f64();
-        Self {
+        let mut shooting = Self {
             prepared,
             settings,
             hierarchy,
             accumulated: SampleSets::default(),
-            unshot,
+            emitted: DVec3::ZERO,
+            unshot: Exitant::default(),
             cluster_gloss,
             openness,
             stats,
             links: LinkStats::default(),
-        }
+        };
+        let config = shooting.reflect_config(0.0);
+        let (emitted, _, ledger) = shooting.reflected(&SampleSets::default(), &config, true);
+        (shooting.unshot, shooting.emitted) = (emitted, ledger.exitance);
+        pull(
+            &shooting.hierarchy,
+            &mut shooting.unshot,
+            settings.transport_epsilon,
+        );
+        shooting
     }
 
     fn run(&mut self, watch: &mut Watch<'_>) -> Result<(), SolveError> {
         let point_lights = &self.prepared.frame.point_lights;
         let of_lights = point_lights.iter().map(|l| l.1.to_dvec3() * 4.0 * PI);
         // Unshot light as `unshot` has it, and what it must be multiplied with.
-        let mut sent = self.emitted() + of_lights.sum::<DVec3>();
+        let mut sent = self.emitted + of_lights.sum::<DVec3>();
         let mut factor = DVec3::ONE;
         let emitted = mean(sent);
         let solve = &mut self.stats.solve;
@@ -223,17 +230,6 @@ impl<'a> Shooting<'a> {
             solve.unshot_w = mean(left);
         }
         Ok(())
-    }
-
-    /// What leaves emit, per channel.
-    fn emitted(&self) -> DVec3 {
-        let of_leaf = |id: NodeId| {
-            let area = f64::from(self.hierarchy.node(id).area);
-            self.unshot.diffuse[id as usize].to_dvec3() * (PI * area)
-        };
-        let leaves = self.hierarchy.elements.iter().map(|element| element.node);
-        let leaves = leaves.filter(|&id| self.hierarchy.is_leaf(id));
-        leaves.map(of_leaf).sum()
     }
 
     /// Propagates the unshot light.
@@ -357,21 +353,30 @@ impl<'a> Shooting<'a> {
                     // Moved directions leave gaps in the lobes that links were refined for.
                     let glossy = prepared.lobes[material].is_some();
                     samples.field(hierarchy, id, glossy, openness, field);
-                    if field.is_empty() {
+                    let emission = if emission {
+                        prepared.emission(element.patch, element.back)
+                    } else {
+                        Emission::default()
+                    };
+                    if field.is_empty() && emission == Emission::default() {
                         return Reflected::default();
                     }
                     let normal = hierarchy.shading_normal(element);
                     let lobe = prepared.lobes[material].as_ref();
                     let bend = hierarchy.bend(element);
-                    reflect(
+                    let mut reflected = reflect(
                         field,
                         normal,
                         prepared.diffuse[material],
                         lobe,
+                        emission.compensating,
                         config,
                         bend,
                         projector,
-                    )
+                    );
+                    reflected.diffuse += emission.even;
+                    reflected.exitance += emission.even * PI as f32;
+                    reflected
                 },
             )
             .collect();
@@ -383,9 +388,6 @@ impl<'a> Shooting<'a> {
             ledger.received += reflected.irradiance.to_dvec3() * f64::from(area);
             ledger.exitance += reflected.exitance.to_dvec3() * f64::from(area);
             irradiance[id as usize] = reflected.irradiance;
-            if emission {
-                emit(prepared, hierarchy, id, &mut exitant);
-            }
             let at = id as usize;
             exitant.diffuse[at] += reflected.diffuse;
             exitant.power[at] += reflected.exitance.mean() * area;
@@ -409,7 +411,7 @@ impl<'a> Shooting<'a> {
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
         pull(&self.hierarchy, &mut total, self.settings.transport_epsilon);
         let solve = &mut self.stats.solve;
-        solve.absorbed_w = mean(ledger.received - ledger.exitance);
+        solve.absorbed_w = mean(ledger.received - (ledger.exitance - self.emitted));
         solve.elements = self.hierarchy.elements.len() as u64;
         solve.leaves = self
             .hierarchy
@@ -447,19 +449,6 @@ impl<'a> Shooting<'a> {
             cluster_gloss: self.cluster_gloss,
             stats: self.stats,
         }
-    }
-}
-
-/// Adds what the leaf element `id` emits.
-fn emit(prepared: &Prepared, hierarchy: &Hierarchy, id: NodeId, exitant: &mut Exitant) {
-    let element = &hierarchy.elements[hierarchy.node(id).element as usize];
-    let material = &prepared.frame.materials[element.material as usize];
-    if prepared.lit[element.patch as usize][usize::from(element.back)].emits {
-        let at = id as usize;
-        exitant.diffuse[at] += material.emission;
-        exitant.peak[at] += material.emission.mean();
-        exitant.power[at] +=
-            std::f32::consts::PI * hierarchy.node(id).area * material.emission.mean();
     }
 }
 

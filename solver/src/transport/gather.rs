@@ -218,11 +218,13 @@ impl Gather<'_> {
             return f32::INFINITY;
         }
         let has_gloss = gloss.share > 0.0;
-        if bounds.high <= limit && !has_gloss {
-            return bounds.high;
-        }
         let offset = receiver.centre - sender.centre;
         let is_cluster = sender.polygon.is_none();
+        // What lies within a near cluster may be seen far more steeply than its middle.
+        let faint = if is_cluster { FAINT_CLUSTER } else { 1.0 };
+        if bounds.high <= faint * limit && !has_gloss {
+            return bounds.high;
+        }
         let sinks = |normal: Vec3| normal.dot(offset) > -sender.radius;
         if is_cluster && receiver.normal.is_some_and(sinks) {
             return bounds.high;

@@ -8,12 +8,15 @@ use crate::directional::{Projection, ProjectionCost, Projector, Source, octahedr
 use crate::radiometry::Rgb;
 use crate::transport::illumination::IlluminationSample;
 use glam::Vec3;
+use std::f32::consts::{FRAC_1_PI, PI};
 
 /// Samples reflected at one place.
 struct Reflection<'a> {
     lobe: &'a Lobe,
     normal: Vec3,
     incoming: Vec<Incoming>,
+    /// Emission that compensates for the lobe, and the lobe's largest albedo.
+    compensating: (Rgb, f32),
     evaluations: u64,
 }
 
@@ -44,7 +47,8 @@ impl Source for Reflection<'_> {
             (direction, height)
         };
         self.evaluations += candidates.len() as u64;
-        let mut sum = Rgb::BLACK;
+        let (compensating, largest) = self.compensating;
+        let mut sum = compensating * (largest - self.lobe.albedo(cos_o));
         let (mut mirror, mut incoming) = ([0.0; LANES], [0.0; LANES]);
         let (mut between, mut sharpness) = ([0.0; LANES], [0.0; LANES]);
         let mut values = [0.0; LANES];
@@ -144,7 +148,8 @@ pub struct ReflectConfig {
     pub conserve: bool,
 }
 
-/// Reflects `samples` at a surface with `normal`, diffuse reflectance `diffuse` and, if glossy, `lobe`.
+/// Reflects `samples` at a surface with `normal`, diffuse reflectance `diffuse` and, if glossy, `lobe`, which
+/// emission that is `compensating` for it comes with ([`crate::solve::Emission`]).
 /// `bend`: angular radius [rad] over which mirror directions vary within the place, on curved surfaces.
 /// One BRDF evaluation per sample and direction that it can reach. Source: §3.3, §4.2.
 pub fn reflect(
@@ -152,6 +157,7 @@ pub fn reflect(
     normal: Vec3,
     diffuse: Rgb,
     lobe: Option<&Lobe>,
+    compensating: Rgb,
     config: &ReflectConfig,
     bend: f32,
     projector: &mut Projector,
@@ -181,16 +187,20 @@ pub fn reflect(
             });
         }
     }
-    out.diffuse = out.irradiance * diffuse * std::f32::consts::FRAC_1_PI;
+    out.diffuse = out.irradiance * diffuse * FRAC_1_PI;
     out.exitance = out.irradiance * diffuse + glossy_exitance;
     let Some(lobe) = lobe else { return out };
-    if incoming.is_empty() {
+    if incoming.is_empty() && compensating.is_black() {
         return out;
     }
-    let mean_glossy = glossy_exitance.mean() * std::f32::consts::FRAC_1_PI;
+    let (largest, mean) = lobe.albedo_range();
+    let emitted = compensating * (PI * (largest - mean));
+    glossy_exitance += emitted;
+    out.exitance += emitted;
+    let mean_glossy = glossy_exitance.mean() * FRAC_1_PI;
     if config.conserve && mean_glossy < config.least {
         // Too weak for its direction to matter to others: it travels with the diffuse light.
-        out.diffuse += glossy_exitance * std::f32::consts::FRAC_1_PI;
+        out.diffuse += glossy_exitance * FRAC_1_PI;
         return out;
     }
     let how = Projection {
@@ -206,6 +216,7 @@ pub fn reflect(
         lobe,
         normal,
         incoming,
+        compensating: (compensating, largest),
         evaluations: 0,
     };
     let mut words = Vec::new();
@@ -266,6 +277,7 @@ mod tests {
                 Vec3::Z,
                 Rgb::BLACK,
                 Some(&lobe),
+                Rgb::BLACK,
                 &config,
                 0.0,
                 &mut projector,
