@@ -234,6 +234,7 @@ impl Gather<'_> {
         };
         let id = sender.id.node;
         let across = sender.radius / bounds.distance;
+        let mut strength = sample.irradiance.mean();
         let mut share = 0.0;
         if self.exitant.distribution[id as usize].is_some() {
             let axis = offset / bounds.distance;
@@ -244,6 +245,10 @@ impl Gather<'_> {
                 return bounds.high;
             }
             share += DIRECTIONS * (high - low) / middle;
+            if is_cluster {
+                // The sample comes from the middle of the light, and may just miss it all.
+                strength = strength.max(middle / (bounds.distance * bounds.distance));
+            }
         }
         if is_cluster {
             share = CLUSTER * (share + across * across);
@@ -256,7 +261,7 @@ impl Gather<'_> {
             let seen = 0.5 * across / gloss.width;
             share += SHAPE * gloss.share * (seen * seen).min(1.0);
         }
-        sample.irradiance.mean() * share
+        strength * share
     }
 
     fn point_lights(
