@@ -80,15 +80,54 @@ pub fn verify(
     seed: u32,
     observer: &mut dyn Observer,
 ) -> Option<Verification> {
-    let places = Probes::new(tracer);
     let looker = Looker::new(solution, &[]);
+    let hold = |probe: &Probe, sampler: &mut Sampler| {
+        let stored = look(solution, &looker, probe);
+        Some(hold(stored, tracer, probe, sampler))
+    };
+    hold_all(solution, tracer, probes, seed, observer, &hold)
+}
+
+/// Holds the `solution` of a furnace ([`sheen_solver::solve::solve_furnace`]) against the one `radiance` that it has
+/// everywhere; `tracer`: of its scene. Sides that are dark, where none of the scene's lamps reaches, are left out.
+pub fn verify_furnace(
+    solution: &Solution,
+    radiance: f32,
+    tracer: &PathTracer,
+    probes: u32,
+    seed: u32,
+    observer: &mut dyn Observer,
+) -> Option<Verification> {
+    let looker = Looker::new(solution, &[]);
+    let hold = |probe: &Probe, _: &mut Sampler| {
+        let stored = look(solution, &looker, probe);
+        let error = (stored - Rgb::splat(radiance)).to_array().map(f64::from);
+        (!stored.is_black()).then(|| Met {
+            material: probe.material,
+            difference: error.iter().sum::<f64>() / 3.0,
+            truth: f64::from(radiance),
+            square: error.iter().map(|e| e * e).sum::<f64>() / 3.0,
+        })
+    };
+    hold_all(solution, tracer, probes, seed, observer, &hold)
+}
+
+fn hold_all(
+    solution: &Solution,
+    tracer: &PathTracer,
+    probes: u32,
+    seed: u32,
+    observer: &mut dyn Observer,
+    hold: &(impl Fn(&Probe, &mut Sampler) -> Option<Met> + Sync),
+) -> Option<Verification> {
+    let places = Probes::new(tracer);
     let mut met: Vec<Met> = Vec::new();
     for first in (0..probes).step_by(BATCH as usize) {
         let batch = first..probes.min(first + BATCH);
         met.par_extend(batch.into_par_iter().filter_map(|index| {
             let mut sampler = Sampler::new(index, 0, seed);
             let probe = places.choose(&mut sampler)?;
-            Some(hold(solution, &looker, tracer, &probe, &mut sampler))
+            hold(&probe, &mut sampler)
         }));
         let progress = Progress {
             phase: "verify",
@@ -115,23 +154,23 @@ pub fn verify(
     Some(Verification { all, materials })
 }
 
-fn hold(
-    solution: &Solution,
-    looker: &Looker<'_>,
-    tracer: &PathTracer,
-    probe: &Probe,
-    sampler: &mut Sampler,
-) -> Met {
+/// The solution's radiance at a probe, emission included.
+fn look(solution: &Solution, looker: &Looker<'_>, probe: &Probe) -> Rgb {
+    let direction = probe.direction.as_dvec3();
+    let seen = looker.look(probe.eye, direction, 0.0, |vertex| {
+        towards(solution, vertex, probe.eye)
+    });
+    Rgb::from(seen.map(|channel| channel as f32))
+}
+
+/// `stored` radiance against two paths.
+fn hold(stored: Rgb, tracer: &PathTracer, probe: &Probe, sampler: &mut Sampler) -> Met {
     let Probe {
         eye,
         direction,
         material,
     } = *probe;
-    let seen = looker.look(eye, direction.as_dvec3(), 0.0, |vertex| {
-        towards(solution, vertex, eye)
-    });
-    let emitted = tracer.emitted(eye, direction);
-    let stored = Rgb::from(seen.map(|channel| channel as f32)) - emitted;
+    let stored = stored - tracer.emitted(eye, direction);
     let truth = [(); 2].map(|()| tracer.reflected(eye, direction, sampler));
     let [first, second] = truth.map(|sample| (stored - sample).to_array().map(f64::from));
     let square: f64 = first.iter().zip(second).map(|(a, b)| a * b).sum();

@@ -1,6 +1,7 @@
 //! Entry to a solve: scene in, solution out, with an observer that may stop it.
 
 mod escape;
+mod furnace;
 mod prepare;
 mod series;
 mod shooting;
@@ -10,6 +11,7 @@ use crate::error::SolveError;
 use crate::export;
 use crate::scene::Scene;
 use crate::solution::Solution;
+pub use furnace::{enclosed, solve_furnace};
 pub use prepare::{Emission, Prepared};
 pub(crate) use shooting::transport;
 pub use shooting::{FirstLinks, Transported, first_links};
@@ -152,6 +154,18 @@ pub fn solve(
     config: &SolveConfig,
     observer: &mut dyn Observer,
 ) -> Result<Solution, SolveError> {
+    solve_prepared(scene, config, observer, |settings| {
+        Prepared::new(scene, settings)
+    })
+}
+
+/// The same of a scene that `prepare` makes ready.
+fn solve_prepared(
+    scene: &Scene,
+    config: &SolveConfig,
+    observer: &mut dyn Observer,
+    prepare: impl Fn(&Settings) -> Prepared + Sync,
+) -> Result<Solution, SolveError> {
     let settings = config.settings()?;
     check_loss(scene)?;
     let mut watch = Watch {
@@ -162,7 +176,7 @@ pub fn solve(
         done: 0.0,
     };
     let mut work = || -> Result<Solution, SolveError> {
-        let prepared = Prepared::new(scene, &settings);
+        let prepared = prepare(&settings);
         let mut transported = transport(&prepared, &settings, &mut watch)?;
         let mut solution =
             export::export(scene, &prepared, &settings, &mut transported, &mut watch);

@@ -51,7 +51,7 @@ impl SolveArgs {
         Ok(pool.install(work))
     }
 
-    fn config(&self) -> SolveConfig {
+    pub(super) fn config(&self) -> SolveConfig {
         SolveConfig {
             quality: self.quality,
             time_limit_s: self.time_limit,

@@ -1,9 +1,10 @@
 //! `sheen verify SCENE`
 
 use super::{input, progress};
-use crate::verify::{Errors, Estimate, Verification, verify};
+use crate::verify::{Errors, Estimate, Verification, verify, verify_furnace};
 use anyhow::Context;
-use sheen_solver::PathTracer;
+use sheen_solver::solve::{enclosed, solve_furnace};
+use sheen_solver::{PathTracer, Scene};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -12,8 +13,12 @@ pub(super) struct Args {
     /// Scene (.obj, .mgf)
     scene: PathBuf,
     /// Its solution [default: the scene is solved first]
-    #[arg(long, value_name = "S.sheen")]
+    #[arg(long, value_name = "S.sheen", conflicts_with = "furnace")]
     solution: Option<PathBuf>,
+    /// Solve the scene as a directional furnace: all surfaces emit what they do not reflect, so that light is the same
+    /// everywhere
+    #[arg(long)]
+    furnace: bool,
     /// Random points and directions, two paths each
     #[arg(long, default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(2..=1 << 28), value_name = "N")]
     probes: u32,
@@ -69,6 +74,26 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         args.scene.display()
     );
     let scene = input::load_scene(&args.scene, args.solve.is_lenient())?.scene;
+    let found = if args.furnace {
+        furnace(args, &scene)?
+    } else {
+        paths(args, &scene)?
+    };
+    let found = found.with_context(|| {
+        format!(
+            "{}: nothing to verify, expected surfaces",
+            args.scene.display()
+        )
+    })?;
+    super::print(&if args.json {
+        serde_json::to_string(&found)? + "\n"
+    } else {
+        table(&found)?
+    })
+}
+
+/// Against paths through the scene.
+fn paths(args: &Args, scene: &Scene) -> anyhow::Result<Option<Verification>> {
     let solution = match &args.solution {
         Some(path) => {
             let solution = sheen_formats::solution::read(path)?;
@@ -85,19 +110,28 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     progress::catch_interrupts();
     let mut observer = progress::TerminalObserver::new();
     let found = args.solve.on_threads(|| {
-        let tracer = PathTracer::new(&scene);
+        let tracer = PathTracer::new(scene);
         verify(&solution, &tracer, args.probes, args.seed, &mut observer)
     })?;
     observer.finish();
-    let found = found.with_context(|| {
-        format!(
-            "{}: nothing to verify, expected surfaces",
-            args.scene.display()
-        )
+    Ok(found)
+}
+
+/// Against the one radiance of a furnace.
+fn furnace(args: &Args, scene: &Scene) -> anyhow::Result<Option<Verification>> {
+    let place = || args.scene.display().to_string();
+    let enclosed = enclosed(scene).with_context(place)?;
+    progress::catch_interrupts();
+    let mut observer = progress::TerminalObserver::new();
+    let solved = solve_furnace(&enclosed, &args.solve.config(), &mut observer);
+    observer.finish();
+    let (solution, radiance) = solved.with_context(place)?;
+    let mut observer = progress::TerminalObserver::new();
+    let (probes, seed) = (args.probes, args.seed);
+    let found = args.solve.on_threads(|| {
+        let tracer = PathTracer::new(&enclosed);
+        verify_furnace(&solution, radiance, &tracer, probes, seed, &mut observer)
     })?;
-    super::print(&if args.json {
-        serde_json::to_string(&found)? + "\n"
-    } else {
-        table(&found)?
-    })
+    observer.finish();
+    Ok(found)
 }
