@@ -37,43 +37,85 @@ pub(super) fn geometric(sent: DVec3, left: DVec3) -> DVec3 {
     DVec3::new(of_channel(0), of_channel(1), of_channel(2))
 }
 
-/// How far the spread of light over the scene still is from the one that it keeps.
-#[derive(Default)]
+/// How well a geometric series stands for the iterations to come, patch by patch: a room behind a small opening, or
+/// the inside of a box, may keep its light longer than the rest of the scene.
 pub(super) struct Drift {
-    /// Share of the light that the last iteration put elsewhere.
+    patches: Vec<Patch>,
+}
+
+struct Patch {
+    node: NodeId,
+    area: f64,
+    /// All power that left it so far.
+    sent: f64,
+    /// Its share of the power of the last iteration.
+    share: f64,
+    /// By how much that differed from the one before.
     moved: Option<f64>,
 }
 
 impl Drift {
-    /// What share of the light is elsewhere in iterations to come than after this one, which made `after` of `before`
-    /// (both pulled): a geometric series again. Infinite until two iterations can be compared.
-    pub(super) fn left(&mut self, hierarchy: &Hierarchy, before: &Exitant, after: &Exitant) -> f64 {
-        /// A slower fall of the differences is mostly rounding.
-        const SLOWEST: f64 = 0.99;
-        let total = |light: &Exitant| f64::from(light.power[0]);
-        let (all_before, all_after) = (total(before), total(after));
-        if all_before <= 0.0 || all_after <= 0.0 {
+    /// Before the first iteration, from all elements and their `emitted` light.
+    pub(super) fn new(hierarchy: &Hierarchy, emitted: &Exitant) -> Self {
+        let all = total(emitted);
+        let patches = hierarchy.elements.iter().map(|element| {
+            let sent = f64::from(emitted.power[element.node as usize]);
+            Patch {
+                node: element.node,
+                area: f64::from(hierarchy.node(element.node).area),
+                sent,
+                share: if all > 0.0 { sent / all } else { 0.0 },
+                moved: None,
+            }
+        });
+        Self {
+            patches: patches.collect(),
+        }
+    }
+
+    /// What the sum would be wrong by if this were the last iteration, which made `light` (pulled, times `factor`) and a
+    /// `ratio` of what was before: the root mean square over areas, as a share of the light of each patch.
+    ///
+    /// Shares of patches move by D, and are taken to go on moving by D q, D q², … with q as seen last. Weighted with
+    /// the power rᵏ of the iterations, this sums to D q r / ((1 − r)(1 − q r)) of the power.
+    pub(super) fn error(&mut self, light: &Exitant, factor: f64, ratio: f64) -> f64 {
+        /// Slower series have no sum, or are mostly rounding.
+        const SLOWEST: f64 = 0.999_99;
+        let all = total(light);
+        if all <= 0.0 {
             return 0.0;
         }
-        let was_leaf = |id: &NodeId| {
-            (*id as usize) < before.len() && !hierarchy.has_children_among(*id, before.len())
-        };
-        let leaves = hierarchy.elements.iter().map(|element| element.node);
-        let moved = leaves
-            .filter(was_leaf)
-            .map(|id| {
-                let share = |light: &Exitant, all| f64::from(light.power[id as usize]) / all;
-                (share(before, all_before) - share(after, all_after)).abs()
-            })
-            .sum::<f64>()
-            * 0.5;
-        let Some(last) = self.moved.replace(moved) else {
-            return f64::INFINITY;
-        };
-        let ratio = if last > 0.0 { moved / last } else { 0.0 };
-        let ratio = ratio.min(SLOWEST);
-        moved * ratio / (1.0 - ratio)
+        let series = 1.0 / (1.0 - ratio.min(SLOWEST));
+        let (mut squares, mut area) = (0.0, 0.0);
+        for patch in &mut self.patches {
+            let power = f64::from(light.power[patch.node as usize]);
+            let moved = power / all - patch.share;
+            let falls = match patch.moved {
+                Some(last) if last != 0.0 => (moved / last).abs(),
+                Some(_) => 0.0,
+                None => 1.0,
+            };
+            let goes_on = (falls * ratio).min(SLOWEST);
+            let wrong = moved.abs() * all * series * goes_on / (1.0 - goes_on);
+            patch.share = power / all;
+            patch.moved = Some(moved);
+            let sum = patch.sent + factor * power * series;
+            patch.sent += factor * power;
+            if sum > 0.0 {
+                squares += patch.area * (factor * wrong / sum).min(1.0).powi(2);
+                area += patch.area;
+            }
+        }
+        if area > 0.0 {
+            (squares / area).sqrt()
+        } else {
+            0.0
+        }
     }
+}
+
+fn total(light: &Exitant) -> f64 {
+    f64::from(light.power[0])
 }
 
 #[cfg(test)]

@@ -179,15 +179,13 @@ impl<'a> Shooting<'a> {
             return Ok(());
         }
         let goal = f64::from(self.settings.unshot_share);
-        let mut drift = Drift::default();
-        // All light so far, and what of it is not right yet.
-        let (mut all, mut open) = (emitted, emitted);
+        let mut drift = Drift::new(&self.hierarchy, &self.unshot);
+        let mut open = 1.0;
         for iteration in 0..MAX_ITERATIONS {
             // Each reflection weakens the light: progress goes with the logarithm of what is open.
-            let done = 0.5 * (1.0 - (open / all / goal).ln() / (1.0 / goal).ln()) as f32;
+            let done = 0.5 * (1.0 - (open / goal).ln() / (1.0 / goal).ln()) as f32;
             let escape = self.escape(iteration == 0, mean(sent * factor) / emitted);
             let mut new = self.propagated(iteration == 0, emitted, watch, done);
-            let before = std::mem::take(&mut self.unshot);
             let reflected = self.reflected_new(&new, emitted);
             self.stats.solve.iterations = iteration + 1;
             self.check_finite(iteration)?;
@@ -206,11 +204,10 @@ impl<'a> Shooting<'a> {
             } else {
                 geometric(shot, left)
             };
-            let to_come = mean(left * tail);
-            all += mean(left);
-            let moved = drift.left(&self.hierarchy, &before, &self.unshot);
-            open = to_come * moved.min(1.0);
-            let is_last = stopped || mean(left) <= goal * emitted || open <= goal * (all + to_come);
+            let ratio = mean(left) / mean(shot);
+            let wrong = drift.error(&self.unshot, mean(factor), ratio);
+            open = wrong.min(mean(left) / emitted);
+            let is_last = stopped || open <= goal;
 
             // The last iteration stands for all that would follow.
             let weight = if is_last { factor * tail } else { factor };
