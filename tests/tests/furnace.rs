@@ -4,10 +4,12 @@
 
 use glam::Vec3;
 use sheen_solver::config::Quality;
-use sheen_solver::{Scene, SolveConfig, solve};
+use sheen_solver::solve::{enclosed, solve_furnace};
+use sheen_solver::{PathTracer, Scene, SolveConfig, solve};
 use sheen_tests::measure::{extremes, front_triangles, mean_radiance, mean_radiance_of};
 use sheen_tests::shared::shared;
 use sheen_tests::{assert_close, images, scenes};
+use sheen_viewer::verify::verify_furnace;
 use std::f64::consts::PI;
 
 /// What a furnace must show, in every pixel.
@@ -171,5 +173,32 @@ fn a_room_that_loses_a_thousandth_sums_a_thousand_reflections() {
         assert_close("mean", mean, 1000.0 / 6.0 / PI, BRIGHT);
         let floor = mean_radiance_of(&lit, &solution, "floor");
         println!("lit: {mean} in the mean, {floor} on the floor, {quality:?}");
+    }
+}
+
+/// All surfaces of a scene emit what they do not reflect: root mean square and mean of the error over all of them.
+fn directional_furnace(scene: &Scene, quality: Quality) -> (f64, f64) {
+    let config = SolveConfig {
+        quality,
+        ..SolveConfig::default()
+    };
+    let enclosed = enclosed(scene).unwrap();
+    let (solution, radiance) = solve_furnace(&enclosed, &config, &mut ()).unwrap();
+    let tracer = PathTracer::new(&enclosed);
+    let found = verify_furnace(&solution, radiance, &tracer, 1 << 16, 0, &mut ()).unwrap();
+    (found.all.rms.value, found.all.bias.value)
+}
+
+#[test]
+fn a_directional_furnace_shows_one_radiance() {
+    for name in ["cornell_box", "cornell_box_glossy", "glossy_sphere"] {
+        let mut last = f64::INFINITY;
+        for quality in [Quality::PREVIEW, Quality::DEFAULT] {
+            let (rms, mean) = directional_furnace(&scenes::own(name), quality);
+            println!("{name}, {quality:?}: {rms:.5} rms, {mean:+.5} in the mean");
+            assert!(rms < last, "{name}: {rms} after {last}");
+            last = rms;
+        }
+        assert!(last < FURNACE, "{name}: {last}");
     }
 }
