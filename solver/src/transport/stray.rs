@@ -73,29 +73,33 @@ impl Propagation<'_> {
             // Radiance over its mean over the cosine-weighted hemisphere.
             let mean = self.exitant.power[source as usize] / (PI * hierarchy.node(source).area);
             let radiance = self.exitant.towards(source, direction);
-            let irradiance = radiance * (power / (rays as f32 * mean * hierarchy.node(node).area));
-            if irradiance.is_black() {
+            let carried = radiance * (power / (rays as f32 * mean));
+            if carried.is_black() {
                 continue;
             }
-            let normal = hierarchy
-                .element_of(node)
-                .map_or(-direction, |e| hierarchy.shading_normal(e));
-            let cosine = -direction.dot(normal);
-            let (direction, irradiance) = if cosine > GRAZING {
-                (-direction, irradiance / cosine)
-            } else {
-                (normal, irradiance)
-            };
+            // No more than would come from all around: one ray stands for the light of all that are near.
+            let least = 1.0 / (PI * rays as f32) * power / mean;
+            let (met, facing) = facing(pair, node, -direction, least);
             let spread = (sender.radius / hit.distance).atan();
-            deposits.push((
-                node,
-                IlluminationSample {
-                    direction,
-                    irradiance,
-                    spread,
-                    parallax: None,
-                },
-            ));
+            for (node, cosine) in met {
+                let (direction, irradiance) = if cosine > GRAZING {
+                    (-direction, carried / facing)
+                } else {
+                    let normal = hierarchy
+                        .element_of(node)
+                        .map_or(-direction, |e| hierarchy.shading_normal(e));
+                    (normal, carried * (GRAZING / facing))
+                };
+                deposits.push((
+                    node,
+                    IlluminationSample {
+                        direction,
+                        irradiance,
+                        spread,
+                        parallax: None,
+                    },
+                ));
+            }
         }
     }
 
@@ -131,4 +135,42 @@ impl Propagation<'_> {
         let is_same_side = element.patch == root.patch && element.back == root.back;
         (is_same_side && polygon.holds(point)).then_some(pair.receiver_node)
     }
+}
+
+/// The element `met`, or those around it that are turned `towards` the light, with their cosines, until they are as
+/// large as `least` [area] or all of the receiver; and the sum of their areas times cosines.
+fn facing(pair: &Pair<'_>, met: NodeId, towards: Vec3, least: f32) -> (Vec<(NodeId, f32)>, f32) {
+    let hierarchy = pair.hierarchy;
+    let cosine = |id: NodeId| {
+        let element = hierarchy.element_of(id)?;
+        Some((id, towards.dot(hierarchy.shading_normal(element))))
+    };
+    let (mut at, mut elements) = (met, vec![met]);
+    loop {
+        let found: Vec<(NodeId, f32)> = elements
+            .iter()
+            .filter_map(|&id| cosine(id))
+            .filter(|&(id, cosine)| id == met || cosine > GRAZING)
+            .collect();
+        let area = |&(id, cosine): &(NodeId, f32)| hierarchy.node(id).area * cosine.max(GRAZING);
+        let sum: f32 = found.iter().map(area).sum();
+        if sum >= least || at == pair.receiver_node {
+            return (found, sum);
+        }
+        at = hierarchy.node(at).parent;
+        elements = whole_elements(hierarchy, at);
+    }
+}
+
+/// The patches below a cluster.
+fn whole_elements(hierarchy: &Hierarchy, cluster: NodeId) -> Vec<NodeId> {
+    let mut elements = Vec::new();
+    let mut pending = vec![cluster];
+    while let Some(id) = pending.pop() {
+        match hierarchy.element_of(id) {
+            Some(_) => elements.push(id),
+            None => pending.extend(hierarchy.children(id)),
+        }
+    }
+    elements
 }
