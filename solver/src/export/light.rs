@@ -228,7 +228,7 @@ impl<'a> Light<'a> {
         let config = ReflectConfig {
             epsilon: self.settings.epsilon,
             max_level: self.settings.display_level,
-            floor: 0.2,
+            floor: 0.4,
             least: 0.04 * self.typical_irradiance,
             conserve: false,
         };

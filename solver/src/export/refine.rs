@@ -32,8 +32,8 @@ pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &
         } else {
             settings.max_edge
         };
-        // On curved surfaces a lobe also moves as far as mirror directions turn.
-        let turns = gloss.share > 0.0 && hierarchy.bend(&element) > gloss.width;
+        // On curved surfaces a lobe also moves as far as mirror directions turn; again, a faint one may do so further.
+        let turns = hierarchy.bend(&element) * gloss.share.sqrt() > gloss.width;
         if edge > most || (turns && edge > settings.min_edge) {
             hierarchy.subdivide(element.node);
         }
