@@ -13,7 +13,7 @@ use crate::transport::gather::Gather;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::Receiver;
 use crate::transport::propagate::{Environment, Gloss, LinkStats};
-use crate::transport::reflect::{ReflectConfig, reflect};
+use crate::transport::reflect::{ReflectConfig, Surface, reflect};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -232,16 +232,14 @@ impl<'a> Light<'a> {
             least: 0.04 * self.typical_irradiance,
             conserve: false,
         };
-        let reflected = reflect(
-            samples,
-            vertex.normal,
-            self.prepared.diffuse[material],
+        let surface = Surface {
+            normal: vertex.normal,
+            diffuse: self.prepared.diffuse[material],
             lobe,
-            self.emission(element).compensating,
-            &config,
+            compensating: self.emission(element).compensating,
             bend,
-            projector,
-        );
+        };
+        let reflected = reflect(samples, &surface, &config, projector);
         VertexLight {
             irradiance: reflected.irradiance,
             radiance: reflected.diffuse + self.emission(element).even,

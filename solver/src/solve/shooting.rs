@@ -17,7 +17,7 @@ use crate::transport::illumination::SampleSets;
 use crate::transport::openness::Openness;
 use crate::transport::propagate::{Accuracy, Gloss, LinkRecord, LinkStats, Propagation};
 use crate::transport::pull::pull;
-use crate::transport::reflect::{ReflectConfig, Reflected, reflect};
+use crate::transport::reflect::{ReflectConfig, Reflected, Surface, reflect};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -358,19 +358,14 @@ impl<'a> Shooting<'a> {
                     if field.is_empty() && emission == Emission::default() {
                         return Reflected::default();
                     }
-                    let normal = hierarchy.shading_normal(element);
-                    let lobe = prepared.lobes[material].as_ref();
-                    let bend = hierarchy.bend(element);
-                    let mut reflected = reflect(
-                        field,
-                        normal,
-                        prepared.diffuse[material],
-                        lobe,
-                        emission.compensating,
-                        config,
-                        bend,
-                        projector,
-                    );
+                    let surface = Surface {
+                        normal: hierarchy.shading_normal(element),
+                        diffuse: prepared.diffuse[material],
+                        lobe: prepared.lobes[material].as_ref(),
+                        compensating: emission.compensating,
+                        bend: hierarchy.bend(element),
+                    };
+                    let mut reflected = reflect(field, &surface, config, projector);
                     reflected.diffuse += emission.even;
                     reflected.exitance += emission.even * PI as f32;
                     reflected

@@ -148,20 +148,35 @@ pub struct ReflectConfig {
     pub conserve: bool,
 }
 
-/// Reflects `samples` at a surface with `normal`, diffuse reflectance `diffuse` and, if glossy, `lobe`, which
-/// emission that is `compensating` for it comes with ([`crate::solve::Emission`]).
-/// `bend`: angular radius [rad] over which mirror directions vary within the place, on curved surfaces.
-/// One BRDF evaluation per sample and direction that it can reach. Source: §3.3, §4.2.
+/// A place of a surface that reflects.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<'a> {
+    /// Shading normal.
+    pub normal: Vec3,
+    /// Diffuse reflectance.
+    pub diffuse: Rgb,
+    /// Its lobe, if it is glossy.
+    pub lobe: Option<&'a Lobe>,
+    /// Emission that makes up for what the lobe does not reflect ([`crate::solve::Emission`]).
+    pub compensating: Rgb,
+    /// Angular radius [rad] over which mirror directions vary within the place, where it is curved.
+    pub bend: f32,
+}
+
+/// Reflects `samples` at a surface. One BRDF evaluation per sample and direction that it can reach. Source: §3.3, §4.2.
 pub fn reflect(
     samples: &[IlluminationSample],
-    normal: Vec3,
-    diffuse: Rgb,
-    lobe: Option<&Lobe>,
-    compensating: Rgb,
+    surface: &Surface<'_>,
     config: &ReflectConfig,
-    bend: f32,
     projector: &mut Projector,
 ) -> Reflected {
+    let &Surface {
+        normal,
+        diffuse,
+        lobe,
+        compensating,
+        bend,
+    } = surface;
     let mut out = Reflected::default();
     let mut incoming = Vec::new();
     let mut glossy_exitance = Rgb::BLACK;
@@ -274,12 +289,14 @@ mod tests {
             };
             let out = reflect(
                 &[sample],
-                Vec3::Z,
-                Rgb::BLACK,
-                Some(&lobe),
-                Rgb::BLACK,
+                &Surface {
+                    normal: Vec3::Z,
+                    diffuse: Rgb::BLACK,
+                    lobe: Some(&lobe),
+                    compensating: Rgb::BLACK,
+                    bend: 0.0,
+                },
                 &config,
-                0.0,
                 &mut projector,
             );
             let words = out.distribution.expect("a distribution");
