@@ -91,6 +91,9 @@ pub struct Settings {
     pub unshot_share: f32,
     /// Gather at vertices; otherwise surrounding elements are averaged (§5.2).
     pub gather: bool,
+    /// Insides of nearly closed things show the light of their elements where it is below this share of the typical
+    /// irradiance.
+    pub dark_share: f32,
     /// Error of a link to a vertex as a share of the irradiance there.
     pub vertex_tolerance: f32,
     /// Stratification of a strong link to a vertex.
@@ -123,6 +126,7 @@ impl Settings {
             sharpest_roughness: knob(0.06, 0.02),
             unshot_share: knob(2e-2, 5e-4),
             gather: q > 0.0,
+            dark_share: knob(0.4, 0.1),
             vertex_tolerance: knob(0.16, 0.013),
             vertex_strata: step([2, 2, 3, 4]),
             mesh_tolerance: knob(0.25, 0.04),

@@ -3,6 +3,7 @@
 
 use super::mesh::{Mesh, Vertex, leaves};
 use super::place::Place;
+use super::pockets::pockets;
 use crate::config::Settings;
 use crate::directional::{Projection, Projector, Source, packed};
 use crate::hierarchy::{Element, Hierarchy, NodeId};
@@ -47,6 +48,8 @@ pub(super) struct Light<'a> {
     /// Typical irradiance of lit surfaces [mean over channels]: the square of the mean root, so that a few surfaces
     /// right beside lamps do not set the scale for all others.
     typical_irradiance: f32,
+    /// Which sides of patches, front and back, are in pockets.
+    pockets: Vec<[bool; 2]>,
 }
 
 /// Neighbouring vertices are twice as far apart as a corner is from the middle; a triangular filter that wide has the
@@ -62,7 +65,7 @@ impl<'a> Light<'a> {
         settings: &'a Settings,
         transported: &'a Transported,
         environment: &'a Environment<'a>,
-        node_count: usize,
+        hierarchy: &Hierarchy,
     ) -> Self {
         let (mut sum, mut area) = (0.0f64, 0.0f64);
         for (id, irradiance) in transported.irradiance.iter().enumerate() {
@@ -75,20 +78,24 @@ impl<'a> Light<'a> {
         let gather = Gather {
             environment,
             exitant: &transported.total,
-            node_count,
+            node_count: hierarchy.nodes.len(),
             strata: settings.vertex_strata,
         };
+        let typical_irradiance = if area > 0.0 {
+            (sum / area).powi(2) as f32
+        } else {
+            0.0
+        };
+        let dark = settings.dark_share * typical_irradiance;
+        let pockets = pockets(prepared, hierarchy, &transported.irradiance, dark);
         Self {
             prepared,
             settings,
             gather,
             total: &transported.total,
             irradiance: &transported.irradiance,
-            typical_irradiance: if area > 0.0 {
-                (sum / area).powi(2) as f32
-            } else {
-                0.0
-            },
+            typical_irradiance,
+            pockets,
         }
     }
 
@@ -187,6 +194,14 @@ impl<'a> Light<'a> {
                 .map_init(
                     || (Projector::default(), Vec::new()),
                     |(projector, samples), (vertex, around)| {
+                        let element = |&leaf: &NodeId| hierarchy.element_of(leaf);
+                        if around
+                            .iter()
+                            .flat_map(element)
+                            .all(|e| self.is_in_pocket(e))
+                        {
+                            return self.mean_of(hierarchy, around, projector);
+                        }
                         let occluders = &self.prepared.occluders;
                         let place = Place::of(vertex, around, hierarchy, occluders);
                         self.vertex(hierarchy, vertex, &place, projector, samples)
@@ -248,6 +263,11 @@ impl<'a> Light<'a> {
             brdf_evaluations: reflected.brdf_evaluations,
             basis_functions: reflected.cost.basis_functions,
         }
+    }
+
+    /// True for a part of a patch whose side is in a pocket.
+    pub(super) fn is_in_pocket(&self, element: &Element) -> bool {
+        self.pockets[element.patch as usize][usize::from(element.back)]
     }
 
     fn emission(&self, element: &Element) -> Emission {

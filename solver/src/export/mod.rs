@@ -3,6 +3,7 @@
 mod light;
 mod mesh;
 mod place;
+mod pockets;
 mod refine;
 
 use crate::config::Settings;
@@ -27,16 +28,10 @@ pub(crate) fn export(
     let started = Instant::now();
     let environment = prepared.environment();
     let mut hierarchy = std::mem::take(&mut transported.hierarchy);
-    let light = Light::new(
-        prepared,
-        settings,
-        transported,
-        &environment,
-        hierarchy.nodes.len(),
-    );
+    let light = Light::new(prepared, settings, transported, &environment, &hierarchy);
     let gather = settings.gather && !watch.is_stopped();
     if gather {
-        refine::split_large(prepared, settings, &mut hierarchy);
+        refine::split_large(prepared, settings, &light, &mut hierarchy);
     }
     refine::balance(&mut hierarchy);
     let mut mesh = Mesh::default();

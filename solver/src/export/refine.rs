@@ -11,7 +11,13 @@ use crate::transport::propagate::Gloss;
 use rayon::prelude::*;
 
 /// Splits leaves above the largest size; glossy ones until they are small against their lobe, and flat against it.
-pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &mut Hierarchy) {
+/// Pockets stay as they are.
+pub(super) fn split_large(
+    prepared: &Prepared,
+    settings: &Settings,
+    light: &Light<'_>,
+    hierarchy: &mut Hierarchy,
+) {
     // A lobe moves over a surface as the eye does: at a distance of a third of the scene, its half-width covers this.
     const VIEWING_DISTANCE: f32 = 1.0 / 3.0;
     let mut next = 0;
@@ -19,7 +25,7 @@ pub(super) fn split_large(prepared: &Prepared, settings: &Settings, hierarchy: &
     while next < hierarchy.elements.len() {
         let element = hierarchy.elements[next];
         next += 1;
-        if !hierarchy.is_leaf(element.node) {
+        if !hierarchy.is_leaf(element.node) || light.is_in_pocket(&element) {
             continue;
         }
         let edge = hierarchy.node(element.node).radius * std::f32::consts::SQRT_2;
@@ -89,7 +95,7 @@ pub(super) fn gather_and_split(
             .filter(|e| {
                 !tested.get(e.node as usize).copied().unwrap_or(false)
                     && hierarchy.node(e.node).radius * std::f32::consts::SQRT_2 > settings.min_edge
-                    && e.corner_count() > 0
+                    && !light.is_in_pocket(e)
             })
             .copied()
             .collect();

@@ -6,6 +6,7 @@
 
 use crate::geometry::Cone;
 use crate::hierarchy::{Hierarchy, NONE};
+use crate::transport::blockers::Blockers;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
@@ -84,6 +85,7 @@ impl Gather<'_> {
             own: receiver.patch,
             lists: Vec::new(),
         };
+        let mut blockers = Blockers::new(receiver.centre, self.environment.shapes);
         let mut stack = vec![(SenderId::whole(0), Candidates::Unknown)];
         while let Some((id, candidates)) = stack.pop() {
             if self.exitant.peak[id.node as usize] <= 0.0 {
@@ -94,7 +96,7 @@ impl Gather<'_> {
                 continue;
             }
             let bounds = bounds(receiver, &sender, self.exitant, |_| true);
-            if bounds.high <= 0.0 {
+            if bounds.high <= 0.0 || blockers.hide(sender.lower, sender.upper) {
                 continue;
             }
             let link = VertexLink {
@@ -130,6 +132,7 @@ impl Gather<'_> {
             };
             if strength > weak.start * limit && strength <= weak.end * limit {
                 let seen = rays.strata(2, &mut stats);
+                blockers.extend(seen.blocker);
                 if !seen.is_mixed() {
                     let transmittance = seen.transmittance();
                     stats.links += 1;
@@ -191,6 +194,7 @@ impl Gather<'_> {
             }
             let strata = if strength > limit { self.strata } else { 1 };
             let seen = rays.strata(strata, &mut stats);
+            blockers.extend(seen.blocker);
             if seen.is_mixed() && can_refine && strength > limit {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))

@@ -1,5 +1,6 @@
 //! Light from surface to surface: exitant light, links and their bounds, visibility, propagation, reflection, pull.
 
+mod blockers;
 mod connect;
 pub mod exitant;
 pub mod gather;

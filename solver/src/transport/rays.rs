@@ -6,7 +6,7 @@ use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::link::{Receiver, Sender};
 use crate::transport::propagate::LinkStats;
-use crate::transport::visibility::Occluders;
+use crate::transport::visibility::{NO_PATCH, Occluders};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -60,10 +60,13 @@ impl Rays<'_> {
                 continue;
             }
             let weight = cosines[0] * cosines[1] / squared;
-            let passed = self
-                .occluders
-                .transmittance(from.point, to.point, [from.patch, to.patch]);
+            let (passed, blocker) =
+                self.occluders
+                    .passage(from.point, to.point, [from.patch, to.patch]);
             stats.rays += 1;
+            if blocker != NO_PATCH {
+                passage.blocker = Some(blocker);
+            }
             passage.plain.add(passed, weight);
             // The radiance on a link to a vertex is one.
             let weight = if all > 1 && self.receiver_node != NONE {
@@ -189,6 +192,8 @@ pub(super) struct Passage {
     mean: RatioMean,
     /// The same without the directions of the sender's radiance.
     plain: RatioMean,
+    /// A patch that hid a ray.
+    pub(super) blocker: Option<u32>,
 }
 
 impl Passage {

@@ -164,6 +164,11 @@ impl Occluders {
     /// they are planar and the points lie on them. Of several surfaces in the same place as `to`, one is seen: the
     /// first patch; or what lies in one plane twice would send its light twice.
     pub fn transmittance(&self, from: Vec3, to: Vec3, ends: [u32; 2]) -> Rgb {
+        self.passage(from, to, ends).0
+    }
+
+    /// The same, and a patch that blocks, or [`NO_PATCH`].
+    pub fn passage(&self, from: Vec3, to: Vec3, ends: [u32; 2]) -> (Rgb, u32) {
         let (direction, length) = (to - from).normalize_and_length();
         let span = [END_GAP * length, (1.0 + END_GAP) * length];
         let end = (1.0 - END_GAP) * length;
@@ -175,13 +180,13 @@ impl Occluders {
     pub fn strict_transmittance(&self, from: Vec3, to: Vec3, ends: [u32; 2]) -> Rgb {
         let (direction, length) = (to - from).normalize_and_length();
         let span = [LEAST_GAP, length - LEAST_GAP];
-        self.along(ray(from, direction, span), ends, None)
+        self.along(ray(from, direction, span), ends, None).0
     }
 
     /// What part of the light that leaves `from` on patch `origin` towards `direction` escapes from the scene.
     pub fn escape(&self, from: Vec3, direction: Vec3, origin: u32) -> Rgb {
         let ray = ray(from, direction, [LEAST_GAP, f32::INFINITY]);
-        self.along(ray, [origin, NO_PATCH], None)
+        self.along(ray, [origin, NO_PATCH], None).0
     }
 
     /// The first opaque surface that a ray from `from` on patch `origin` towards `direction` meets.
@@ -218,8 +223,9 @@ impl Occluders {
     }
 
     /// `end`: from this distance on, patches after this one do not block.
-    fn along(&self, ray: Ray, ends: [u32; 2], end: Option<(f32, u32)>) -> Rgb {
+    fn along(&self, ray: Ray, ends: [u32; 2], end: Option<(f32, u32)>) -> (Rgb, u32) {
         let mut passed = Rgb::WHITE;
+        let mut blocker = NO_PATCH;
         let missed = self.bvh.ray_traverse_miss(ray, |ray, id| {
             let face = &self.faces[id];
             if face.patch != NO_PATCH && (face.patch == ends[0] || face.patch == ends[1]) {
@@ -234,9 +240,16 @@ impl Occluders {
                 passed = passed * self.tints[face.tint as usize];
                 return f32::INFINITY;
             }
+            if t < f32::INFINITY {
+                blocker = face.patch;
+            }
             t
         });
-        if missed { passed } else { Rgb::BLACK }
+        if missed {
+            (passed, NO_PATCH)
+        } else {
+            (Rgb::BLACK, blocker)
+        }
     }
 
     /// Bytes that it takes.
