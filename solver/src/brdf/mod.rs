@@ -29,8 +29,6 @@ pub struct Lobe {
     shape: Shape,
     /// Angle from the mirror direction at which the lobe has half its peak [rad].
     pub half_width: f32,
-    /// Angle from the mirror direction beyond which the lobe is nothing [rad].
-    pub cutoff: f32,
     /// Directional albedo for specular = 1 at cos θ = i / (n - 1).
     albedo: [f32; ALBEDO_ENTRIES],
 }
@@ -55,15 +53,9 @@ impl Lobe {
                 roughness,
             } => (specular, Shape::Ward(roughness.max(sharpest))),
         };
-        let (half_width, cutoff) = match shape {
-            Shape::Phong(exponent) => (
-                phong::angle_of(exponent, 0.5),
-                phong::angle_of(exponent, CUTOFF),
-            ),
-            Shape::Ward(roughness) => (
-                ward::angle_of(roughness, 0.5),
-                ward::angle_of(roughness, CUTOFF),
-            ),
+        let half = match shape {
+            Shape::Phong(exponent) => phong::cosine_of(exponent, 0.5),
+            Shape::Ward(roughness) => ward::cosine_of(roughness, 0.5),
         };
         let mut albedo = [0.0; ALBEDO_ENTRIES];
         for (i, entry) in albedo.iter_mut().enumerate() {
@@ -76,8 +68,7 @@ impl Lobe {
         Some(Self {
             specular,
             shape,
-            half_width,
-            cutoff,
+            half_width: half.acos(),
             albedo,
         })
     }
@@ -128,8 +119,6 @@ pub(crate) struct Cosines<'a> {
     pub(crate) mirror: &'a [f32],
     /// n · wi.
     pub(crate) incoming: &'a [f32],
-    /// wi · wo.
-    pub(crate) between: &'a [f32],
     /// [`Spread::sharpness`] of each.
     pub(crate) sharpness: &'a [f32],
     /// n · wo.
@@ -145,17 +134,17 @@ pub(crate) struct Spread {
     pub(crate) factor: f32,
     /// Largest value of the widened lobe, at normal incidence for Ward.
     pub(crate) peak: f32,
-    /// Half-width [rad].
-    pub(crate) half_width: f32,
-    /// Cosine and sine of the cutoff angle.
-    pub(crate) cutoff: (f32, f32),
+    /// Cosine of the half-width.
+    pub(crate) half: f32,
+    /// Cosine of the angle from the mirror direction beyond which it is nothing.
+    pub(crate) cutoff: f32,
 }
 
 impl Lobe {
     /// The lobe convolved with a uniform disc of angular radius `spread` [rad]: both taken for Gaussians in the
     /// mirror angle, with variances 1/n (Phong) or 2α² (Ward) and spread²/4 per axis.
     pub(crate) fn spread(&self, spread: f32) -> Spread {
-        let (sharpness, factor, peak, half_width, cutoff) = match self.shape {
+        let (sharpness, factor, peak, half, cutoff) = match self.shape {
             Shape::Phong(exponent) => {
                 let n = exponent / (1.0 + exponent * spread * spread * 0.25);
                 let factor = (n + 2.0) / std::f32::consts::TAU;
@@ -163,8 +152,8 @@ impl Lobe {
                     n,
                     factor,
                     factor,
-                    phong::angle_of(n, 0.5),
-                    phong::angle_of(n, CUTOFF),
+                    phong::cosine_of(n, 0.5),
+                    phong::cosine_of(n, CUTOFF),
                 )
             }
             Shape::Ward(roughness) => {
@@ -176,8 +165,8 @@ impl Lobe {
                     sharpness,
                     factor,
                     0.25 * factor,
-                    ward::angle_of(alpha, 0.5),
-                    ward::angle_of(alpha, CUTOFF),
+                    ward::cosine_of(alpha, 0.5),
+                    ward::cosine_of(alpha, CUTOFF),
                 )
             }
         };
@@ -185,8 +174,8 @@ impl Lobe {
             sharpness,
             factor,
             peak,
-            half_width,
-            cutoff: (cutoff.cos(), cutoff.sin()),
+            half,
+            cutoff,
         }
     }
 
@@ -203,9 +192,11 @@ impl Lobe {
                 let incoming = cosines
                     .incoming
                     .iter()
-                    .zip(cosines.between)
+                    .zip(cosines.mirror)
                     .zip(cosines.sharpness);
-                for (value, ((&cos_i, &between), &sharpness)) in values.iter_mut().zip(incoming) {
+                for (value, ((&cos_i, &mirror), &sharpness)) in values.iter_mut().zip(incoming) {
+                    // wi is the mirror image of its mirror direction.
+                    let between = 2.0 * cos_i * cosines.outgoing - mirror;
                     *value = ward::bell(sharpness, cos_i, cosines.outgoing, between);
                 }
             }

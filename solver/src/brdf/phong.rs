@@ -27,12 +27,12 @@ pub(super) fn density(exponent: f32, mirror_dot: f32) -> f32 {
     (exponent + 1.0) / TAU * power(exponent, mirror_dot)
 }
 
-/// Angle at which the lobe has `share` of its peak [rad]; at most a right angle.
-pub(super) fn angle_of(exponent: f32, share: f32) -> f32 {
+/// Cosine of the angle at which the lobe has `share` of its peak; at most a right angle.
+pub(super) fn cosine_of(exponent: f32, share: f32) -> f32 {
     if exponent <= 0.0 {
-        return std::f32::consts::FRAC_PI_2;
+        return 0.0;
     }
-    (share.ln() / exponent).exp().acos()
+    (share.ln() / exponent).exp()
 }
 
 /// Directional albedo: ∫ f cos θo dωo, by stratified sampling of the lobe with density (n+1)/2π cosⁿα.

@@ -38,10 +38,11 @@ pub(super) fn density(roughness: f32, half_dot: f32, between: f32) -> f32 {
     bell / (PI * a * squared * half_dot * 4.0 * between.max(f32::MIN_POSITIVE))
 }
 
-/// Angle from the mirror direction beyond which the lobe is surely below `share` of its peak [rad]: turning h by δ
-/// turns the mirrored direction by at most 2δ.
-pub(super) fn angle_of(roughness: f32, share: f32) -> f32 {
-    (2.0 * (roughness * (-share.ln()).sqrt()).atan()).min(std::f32::consts::FRAC_PI_2)
+/// Cosine of the angle from the mirror direction beyond which the lobe is surely below `share` of its peak: turning h by
+/// δ turns the mirrored direction by at most 2δ. At most a right angle.
+pub(super) fn cosine_of(roughness: f32, share: f32) -> f32 {
+    let squared = roughness * roughness * -share.ln();
+    ((1.0 - squared) / (1.0 + squared)).max(0.0)
 }
 
 /// Directional albedo by stratified sampling of h with density exp(-tan²δ/α²)/(π α² cos³δ): the weight is

@@ -14,7 +14,7 @@
 //! Radiance towards a direction is the linear interpolation of the three colours of the leaf that holds it, with
 //! [`octahedron::barycentric`] weights. Corners of neighbouring leaves agree, so the result is continuous.
 
-use super::octahedron;
+use super::{cells, octahedron};
 use crate::radiometry::Rgb;
 use glam::Vec3;
 
@@ -24,21 +24,29 @@ pub const LEAF: u32 = 0x8000_0000;
 /// Radiance [W·sr⁻¹·m⁻²] of the distribution that starts at `words[0]`, towards `direction` (unit, leaving the
 /// surface).
 pub fn evaluate(words: &[u32], direction: Vec3) -> Rgb {
-    let scale = f32::from_bits(words[0]);
-    let octant = octahedron::octant(direction);
-    let mut node = words[1 + octant];
-    let mut corners = octahedron::octant_corners(octant);
+    let mut node = words[1 + octahedron::octant(direction)];
+    let direction = direction.abs();
+    let cells = cells::cells();
+    let (mut at, mut cell) = (0, &cells[0]);
+    let mut deeper;
     while node != 0 {
         let position = (node & !LEAF) as usize;
         if node & LEAF != 0 {
-            let weights = octahedron::barycentric(corners, direction);
+            let weights = cell.barycentric(direction);
             let colour = |corner: usize| decode(words[position + corner]);
-            return (colour(0) * weights.x + colour(1) * weights.y + colour(2) * weights.z) * scale;
+            let sum = colour(0) * weights.x + colour(1) * weights.y + colour(2) * weights.z;
+            return sum * f32::from_bits(words[0]);
         }
-        let midpoints = octahedron::edge_midpoints(corners);
-        let child = octahedron::child_of(corners, midpoints, direction);
-        corners = octahedron::child_corners(corners, midpoints, child);
+        let child = cell.child_of(direction);
         node = words[position + child];
+        at = cells::child(at, child).min(cells.len());
+        cell = match cells.get(at) {
+            Some(cell) => cell,
+            None => {
+                deeper = cell.child(child);
+                &deeper
+            }
+        };
     }
     Rgb::BLACK
 }
@@ -166,10 +174,11 @@ pub fn encode(colour: Rgb) -> u32 {
     let floor_log2 = ((largest.to_bits() >> 23) as i32 - 127).max(-EXPONENT_BIAS - 1);
     let mut exponent = floor_log2 + 1 + EXPONENT_BIAS;
     let step = |e: i32| f32::from_bits(((e - EXPONENT_BIAS - MANTISSA_BITS + 127) as u32) << 23);
-    if (largest / step(exponent) + 0.5).floor() as i32 == 1 << MANTISSA_BITS {
+    // Casts cut off towards zero: floors of what is not negative.
+    if (largest / step(exponent) + 0.5) as i32 == 1 << MANTISSA_BITS {
         exponent += 1;
     }
-    let mantissa = |c: f32| ((c / step(exponent) + 0.5).floor() as u32).min(511);
+    let mantissa = |c: f32| ((c / step(exponent) + 0.5) as u32).min(511);
     mantissa(r) | mantissa(g) << 9 | mantissa(b) << 18 | (exponent as u32) << 27
 }
 

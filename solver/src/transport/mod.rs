@@ -7,6 +7,8 @@ pub mod gather;
 pub mod illumination;
 pub mod kernel;
 pub mod link;
+mod lobes;
+mod merge;
 mod occlusion;
 pub mod openness;
 mod point_light;

@@ -3,118 +3,14 @@
 //! The sum is projected, never one reflection after the other (table 1). Samples whose lobe cannot reach a cell are
 //! left out of its evaluations, so their number does not grow as samples × cells.
 
-use crate::brdf::{self, Cosines, Lobe, Spread};
-use crate::directional::{Projection, ProjectionCost, Projector, Source, octahedron};
+use crate::brdf::Lobe;
+use crate::directional::{Projection, ProjectionCost, Projector, octahedron};
 use crate::radiometry::Rgb;
 use crate::transport::illumination::IlluminationSample;
+use crate::transport::lobes::Lobes;
+use crate::transport::merge::merged;
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI};
-
-/// Samples reflected at one place.
-struct Reflection<'a> {
-    lobe: &'a Lobe,
-    normal: Vec3,
-    incoming: Vec<Incoming>,
-    /// Emission that compensates for the lobe, and the lobe's largest albedo.
-    compensating: (Rgb, f32),
-    evaluations: u64,
-}
-
-/// Samples that are evaluated together.
-const LANES: usize = 32;
-
-struct Incoming {
-    wi: Vec3,
-    mirror: Vec3,
-    cosine: f32,
-    /// The lobe as widened by the sender's size.
-    spread: Spread,
-    /// Irradiance on the surface times specular colour times the lobe's factor.
-    weight: Rgb,
-}
-
-impl Source for Reflection<'_> {
-    fn eval(&mut self, candidates: &[u32], direction: Vec3) -> Rgb {
-        // Below the surface nothing is reflected; the basis still wants a continuous function at the horizon.
-        let height = direction.dot(self.normal);
-        const GRAZING: f32 = 0.02;
-        let (wo, cos_o) = if height < GRAZING {
-            (
-                (direction + self.normal * (GRAZING - height)).normalize(),
-                GRAZING,
-            )
-        } else {
-            (direction, height)
-        };
-        self.evaluations += candidates.len() as u64;
-        let (compensating, largest) = self.compensating;
-        let mut sum = compensating * (largest - self.lobe.albedo(cos_o));
-        let (mut mirror, mut incoming) = ([0.0; LANES], [0.0; LANES]);
-        let (mut between, mut sharpness) = ([0.0; LANES], [0.0; LANES]);
-        let mut values = [0.0; LANES];
-        for chunk in candidates.chunks(LANES) {
-            for (lane, &candidate) in chunk.iter().enumerate() {
-                let from = &self.incoming[candidate as usize];
-                mirror[lane] = from.mirror.dot(wo);
-                incoming[lane] = from.cosine;
-                between[lane] = from.wi.dot(wo);
-                sharpness[lane] = from.spread.sharpness;
-            }
-            let cosines = Cosines {
-                mirror: &mirror,
-                incoming: &incoming,
-                between: &between,
-                sharpness: &sharpness,
-                outgoing: cos_o,
-            };
-            self.lobe.eval_many(&cosines, &mut values);
-            for (&candidate, &value) in chunk.iter().zip(&values) {
-                sum += self.incoming[candidate as usize].weight * value;
-            }
-        }
-        sum
-    }
-
-    fn narrow(
-        &self,
-        list: &mut Vec<u32>,
-        range: std::ops::Range<usize>,
-        centre: Vec3,
-        level: usize,
-    ) {
-        // A short list is not worth the test.
-        if range.len() <= LANES / 4 {
-            return list.extend_from_within(range);
-        }
-        let (sine, cosine) = octahedron::radius(level).sin_cos();
-        for i in range {
-            let candidate = list[i];
-            let from = &self.incoming[candidate as usize];
-            // Cosine of cutoff plus radius; both are below a right angle.
-            let (cos_cutoff, sin_cutoff) = from.spread.cutoff;
-            if from.mirror.dot(centre) >= cos_cutoff * cosine - sin_cutoff * sine {
-                list.push(candidate);
-            }
-        }
-    }
-
-    fn candidate_count(&self) -> u32 {
-        self.incoming.len() as u32
-    }
-
-    fn hidden_peak(&self, candidates: &[u32], centre: Vec3, level: usize) -> f32 {
-        // Where corners and centre are closer together than a lobe is wide, nothing of it can hide; and a peak
-        // hides in the cell that it stands in.
-        let radius = octahedron::radius(level);
-        candidates
-            .iter()
-            .map(|&c| &self.incoming[c as usize])
-            .filter(|from| radius >= 1.2 * from.spread.half_width)
-            .filter(|from| from.mirror.dot(centre) >= (radius + 0.5 * from.spread.half_width).cos())
-            .map(|from| from.weight.max_channel() * from.spread.peak / from.spread.factor)
-            .fold(0.0, f32::max)
-    }
-}
 
 /// Exitant light of a place.
 #[derive(Clone, Debug, Default)]
@@ -178,7 +74,6 @@ pub fn reflect(
         bend,
     } = surface;
     let mut out = Reflected::default();
-    let mut incoming = Vec::new();
     let mut glossy_exitance = Rgb::BLACK;
     for sample in samples {
         let cosine = sample.direction.dot(normal);
@@ -188,24 +83,13 @@ pub fn reflect(
         let irradiance = sample.irradiance * cosine;
         out.irradiance += irradiance;
         if let Some(lobe) = lobe {
-            let weight = irradiance * lobe.specular;
-            glossy_exitance += weight * lobe.albedo(cosine);
-            let spread = lobe.spread(sample.spread.hypot(bend));
-            let weight = weight * spread.factor;
-            let mirror = brdf::reflect(normal, sample.direction);
-            incoming.push(Incoming {
-                wi: sample.direction,
-                mirror,
-                cosine,
-                spread,
-                weight,
-            });
+            glossy_exitance += irradiance * lobe.specular * lobe.albedo(cosine);
         }
     }
     out.diffuse = out.irradiance * diffuse * FRAC_1_PI;
     out.exitance = out.irradiance * diffuse + glossy_exitance;
     let Some(lobe) = lobe else { return out };
-    if incoming.is_empty() && compensating.is_black() {
+    if out.irradiance.is_black() && compensating.is_black() {
         return out;
     }
     let (largest, mean) = lobe.albedo_range();
@@ -227,13 +111,8 @@ pub fn reflect(
         horizon: Some(normal),
         integral: config.conserve.then_some(glossy_exitance.mean()),
     };
-    let mut source = Reflection {
-        lobe,
-        normal,
-        incoming,
-        compensating: (compensating, largest),
-        evaluations: 0,
-    };
+    let few = merged(samples, normal, lobe.half_width.hypot(bend));
+    let mut source = Lobes::new(lobe, normal, &few, bend, compensating);
     let mut words = Vec::new();
     out.cost = projector.project(&mut source, &how, &mut words);
     out.brdf_evaluations = source.evaluations;
@@ -300,7 +179,7 @@ mod tests {
                 &mut projector,
             );
             let words = out.distribution.expect("a distribution");
-            let mirror = brdf::reflect(Vec3::Z, direction);
+            let mirror = crate::brdf::reflect(Vec3::Z, direction);
             let (found, peak) = (
                 packed::evaluate(&words, mirror).g,
                 1002.0 / std::f32::consts::TAU,
