@@ -7,6 +7,7 @@
 mod cluster;
 pub mod patch;
 pub mod reach;
+mod split;
 
 use crate::geometry::Polygon;
 use crate::scene::Material;
@@ -198,81 +199,6 @@ impl Hierarchy {
                 points.push((points[a as usize] + points[b as usize]) * 0.5);
                 points.len() as u32 - 1
             })
-    }
-
-    /// Splits the leaf element of node `id` 4:1 (§3.1 refines receivers this way).
-    pub fn subdivide(&mut self, id: NodeId) {
-        let parent = *self.element_of(id).expect("only elements are subdivided");
-        debug_assert!(self.is_leaf(id));
-        let p = parent.points;
-        let child_points = if parent.corner_count() == 4 {
-            let m = [0, 1, 2, 3].map(|i| self.make_midpoint(p[i], p[(i + 1) % 4]));
-            let centre = self.make_midpoint(m[0], m[2]);
-            [
-                [p[0], m[0], centre, m[3]],
-                [m[0], p[1], m[1], centre],
-                [centre, m[1], p[2], m[2]],
-                [m[3], centre, m[2], p[3]],
-            ]
-        } else {
-            let m = [0, 1, 2].map(|i| self.make_midpoint(p[i], p[(i + 1) % 3]));
-            [
-                [p[0], m[0], m[2], NONE],
-                [m[0], p[1], m[1], NONE],
-                [m[2], m[1], p[2], NONE],
-                [m[1], m[2], m[0], NONE],
-            ]
-        };
-        let first = self.nodes.len() as NodeId;
-        for (child, points) in child_points.into_iter().enumerate() {
-            let polygon = parent.polygon.child(child);
-            let shading = self.child_shading(&parent, child);
-            self.push_element(
-                Element {
-                    points,
-                    polygon,
-                    shading,
-                    level: parent.level + 1,
-                    ..parent
-                },
-                id,
-            );
-        }
-        let per_area = self.node(id).reflecting_area / self.node(id).area;
-        for child in first..first + 4 {
-            let node = &mut self.nodes[child as usize];
-            node.reflecting_area = node.area * per_area;
-        }
-        let node = &mut self.nodes[id as usize];
-        node.first_child = first;
-        node.child_count = 4;
-    }
-
-    fn child_shading(&mut self, parent: &Element, child: usize) -> u32 {
-        if parent.shading == NONE {
-            return NONE;
-        }
-        let n = self.shading_normals[parent.shading as usize];
-        let mid = |a: usize, b: usize| (n[a] + n[b]).normalize_or(parent.normal);
-        let normals = if parent.corner_count() == 4 {
-            let centre = (n[0] + n[1] + n[2] + n[3]).normalize_or(parent.normal);
-            match child {
-                0 => [n[0], mid(0, 1), centre, mid(3, 0)],
-                1 => [mid(0, 1), n[1], mid(1, 2), centre],
-                2 => [centre, mid(1, 2), n[2], mid(2, 3)],
-                _ => [mid(3, 0), centre, mid(2, 3), n[3]],
-            }
-        } else {
-            let (m01, m12, m20) = (mid(0, 1), mid(1, 2), mid(2, 0));
-            match child {
-                0 => [n[0], m01, m20, n[0]],
-                1 => [m01, n[1], m12, m01],
-                2 => [m20, m12, n[2], m20],
-                _ => [m12, m20, m01, m12],
-            }
-        };
-        self.shading_normals.push(normals);
-        self.shading_normals.len() as u32 - 1
     }
 
     /// Appends an element and its node; the reflecting area is left to the caller.
