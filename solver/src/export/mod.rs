@@ -130,9 +130,14 @@ fn assemble(
 
 /// Sides that light cannot reach are black, but they hide what is behind them.
 fn push_dark_sides(prepared: &Prepared, solution: &mut Solution) {
-    for (patch, lit) in prepared.patches.iter().zip(&prepared.lit) {
+    for ((patch, lit), covered) in prepared
+        .patches
+        .iter()
+        .zip(&prepared.lit)
+        .zip(&prepared.covered)
+    {
         for back in [false, true] {
-            if lit[usize::from(back)].lit {
+            if lit[usize::from(back)].lit || covered[usize::from(back)] {
                 continue;
             }
             let mut corners: Vec<Vec3> = patch

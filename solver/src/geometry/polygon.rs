@@ -1,7 +1,7 @@
 //! Convex planar polygons of three or four corners, and their exact form factors to a point.
 
 use super::Cone;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// A convex, planar triangle or quad, counter-clockwise seen from its front.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +35,23 @@ impl Polygon {
         } else {
             (c[1] - c[0]).cross(c[2] - c[0]) * 0.5
         }
+    }
+
+    /// Solid angle seen from a point [sr] (van Oosterom & Strackee 1983).
+    pub fn solid_angle(&self, point: Vec3) -> f32 {
+        let corners = self.corners.map(|corner| (corner - point).as_dvec3());
+        let of_triangle = |[a, b, c]: [DVec3; 3]| {
+            let (x, y, z) = (a.length(), b.length(), c.length());
+            let rest = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+            2.0 * a.dot(b.cross(c)).abs().atan2(rest)
+        };
+        let [a, b, c, d] = corners;
+        let rest = if self.count == 4 {
+            of_triangle([a, c, d])
+        } else {
+            0.0
+        };
+        (of_triangle([a, b, c]) + rest) as f32
     }
 
     /// Mean of the corners.

@@ -5,6 +5,7 @@
 //! element is one-sided. Coordinates are normalised (see [`crate::normalise`]).
 
 mod cluster;
+pub mod coincident;
 pub mod patch;
 pub mod reach;
 mod split;

@@ -31,24 +31,15 @@ pub struct Side {
     pub emits: bool,
 }
 
-/// For each patch its front and its back: can light reach it, does it emit?
+/// For each patch its front and its back: can light reach it, does it emit? `usable`: the sides that can be seen at all.
 pub fn lit_sides(
     points: &[Vec3],
     patches: &[Patch],
     materials: &[Material],
     point_lights: &[(Vec3, Rgb)],
     occluders: &Occluders,
+    usable: &[[bool; 2]],
 ) -> Vec<[Side; 2]> {
-    let usable: Vec<[bool; 2]> = patches
-        .iter()
-        .map(|patch| {
-            let m = &materials[patch.material as usize];
-            [
-                true,
-                m.two_sided || (m.emits_from_back && !m.emission.is_black()),
-            ]
-        })
-        .collect();
     let sides = Sides {
         points,
         patches,
@@ -68,7 +59,8 @@ pub fn lit_sides(
                     };
                     (seen.iter().filter(inside).count() as f32) < INSIDE_SHARE * RAYS as f32
                 };
-                if !back || (m.emits_from_back && sees_out()) {
+                let may_emit = usable[index][usize::from(back)] && (!back || m.emits_from_back);
+                if may_emit && (!back || sees_out()) {
                     lit[index][usize::from(back)] = Side {
                         lit: true,
                         emits: true,

@@ -3,6 +3,7 @@
 use crate::brdf::Lobe;
 use crate::config::Settings;
 use crate::geometry::Polygon;
+use crate::hierarchy::coincident::{covered_sides, lamps_first, usable_sides};
 use crate::hierarchy::patch::{Patch, merge};
 use crate::hierarchy::reach::{Side, lit_sides};
 use crate::normalise::Normalised;
@@ -30,6 +31,8 @@ pub struct Prepared {
     pub frame: Normalised,
     /// Patches of the surfaces that are not glass.
     pub patches: Vec<Patch>,
+    /// Which of their sides another patch in the same place hides.
+    pub covered: Vec<[bool; 2]>,
     /// Which of their sides light can reach, and which emit.
     pub lit: Vec<[Side; 2]>,
     /// All patches, for what may stand between two of them.
@@ -65,7 +68,8 @@ impl Prepared {
             .copied()
             .collect();
         let clear: Vec<Triangle> = scene.triangles().iter().filter(is_glass).copied().collect();
-        let (patches, patch_of) = merge(&frame.points, scene.normals(), &opaque);
+        let (mut patches, mut patch_of) = merge(&frame.points, scene.normals(), &opaque);
+        lamps_first(&mut patches, &mut patch_of, &frame.materials);
         let corners = |t: &Triangle| t.points.map(|p| frame.points[p as usize]);
         let mut occluding: Vec<Occluder> = opaque
             .iter()
@@ -82,13 +86,6 @@ impl Prepared {
             transmission: frame.materials[t.material as usize].transmission,
         }));
         let occluders = Occluders::new(&occluding);
-        let lit = lit_sides(
-            &frame.points,
-            &patches,
-            &frame.materials,
-            &frame.point_lights,
-            &occluders,
-        );
         let lobes = frame
             .materials
             .iter()
@@ -100,6 +97,21 @@ impl Prepared {
             .collect();
         let glass: Vec<[Vec3; 3]> = clear.iter().map(corners).collect();
         let tree = PatchTree::new(&shapes, &glass);
+        let mut usable = usable_sides(&patches, &frame.materials);
+        let covered = covered_sides(&shapes, &usable);
+        for (usable, covered) in usable.iter_mut().zip(&covered) {
+            for side in 0..2 {
+                usable[side] &= !covered[side];
+            }
+        }
+        let lit = lit_sides(
+            &frame.points,
+            &patches,
+            &frame.materials,
+            &frame.point_lights,
+            &occluders,
+            &usable,
+        );
         let diffuse = frame.materials.iter().map(|m| m.diffuse).collect();
         let even = |material: &Material| Emission {
             even: material.emission,
@@ -114,6 +126,7 @@ impl Prepared {
             shapes,
             frame,
             patches,
+            covered,
             lit,
             occluders,
             lobes,

@@ -133,7 +133,7 @@ impl Sender {
 
 /// Heights above a plane that are rounding in normalised coordinates: surfaces in one plane do not light each other,
 /// coincident ones least of all.
-pub(super) const COPLANAR: f32 = 16.0 * f32::EPSILON;
+pub(crate) const COPLANAR: f32 = 16.0 * f32::EPSILON;
 
 fn bounds_of(points: &[Vec3]) -> (Vec3, Vec3) {
     points

@@ -1,4 +1,4 @@
-//! Links from point lights.
+//! Links from point lights: exact but for what hides them.
 
 use crate::hierarchy::NONE;
 use crate::radiometry::Rgb;
@@ -37,7 +37,7 @@ impl Propagation<'_> {
             return;
         }
         let side = self.accuracy.strata;
-        let (mut sum, mut vector) = (Rgb::BLACK, Vec3::ZERO);
+        let (mut sum, mut weights, mut vector) = (Rgb::BLACK, 0.0, Vec3::ZERO);
         let (mut least, mut most) = (f32::INFINITY, 0.0f32);
         for ray in 0..side * side {
             let (x, y) = ((ray % side) as f32 + 0.5, (ray / side) as f32 + 0.5);
@@ -59,6 +59,7 @@ impl Propagation<'_> {
             let cosine = receiver.normal.map_or(1.0, |n| n.dot(direction));
             if squared > 0.0 && cosine > 0.0 {
                 sum += passed * (cosine / squared);
+                weights += cosine / squared;
                 vector += direction * (passed.mean() / squared);
             }
         }
@@ -71,9 +72,14 @@ impl Propagation<'_> {
         if sum.is_black() || cosine <= 0.0 {
             return;
         }
+        // However near: what a polygon gets is its solid angle.
+        let mean = match &receiver.polygon {
+            Some(polygon) => polygon.solid_angle(position) / polygon.vector_area().length(),
+            None => weights / (side * side) as f32,
+        };
         outcome.samples.push(IlluminationSample {
             direction,
-            irradiance: intensity * sum / ((side * side) as f32 * cosine),
+            irradiance: intensity * sum * (mean / (weights * cosine)),
             spread: 0.0,
             parallax: None,
         });

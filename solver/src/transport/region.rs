@@ -12,15 +12,15 @@ use std::time::Duration;
 
 /// A convex region: a box cut by planes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Region<'a> {
+pub(crate) struct Region<'a> {
     /// Box and planes are relative to this.
-    pub(super) origin: Vec3,
+    pub(crate) origin: Vec3,
     /// Box.
-    pub(super) lower: Vec3,
+    pub(crate) lower: Vec3,
     /// Box.
-    pub(super) upper: Vec3,
+    pub(crate) upper: Vec3,
     /// Normal and offset: inside where normal·p > offset.
-    pub(super) planes: &'a [(Vec3, f32)],
+    pub(crate) planes: &'a [(Vec3, f32)],
 }
 
 /// All patches, and clear triangles, which stop a search.
@@ -53,7 +53,7 @@ impl PatchTree {
 
     /// Visits every patch whose box reaches into or touches `region`, and some others. False when `visit` stopped it,
     /// or when there is glass.
-    pub(super) fn visit(&self, region: &Region<'_>, mut visit: impl FnMut(u32) -> bool) -> bool {
+    pub(crate) fn visit(&self, region: &Region<'_>, mut visit: impl FnMut(u32) -> bool) -> bool {
         if self.bvh.nodes.is_empty() {
             return true;
         }
