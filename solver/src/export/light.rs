@@ -1,6 +1,7 @@
 //! Light at the vertices of the mesh: gathered there with the bounded propagation, or averaged from the elements
 //! around (§5.2).
 
+use super::lit::Lit;
 use super::mesh::{Mesh, Vertex, leaves};
 use super::place::Place;
 use super::pockets::pockets;
@@ -179,7 +180,7 @@ impl<'a> Light<'a> {
         &self,
         hierarchy: &Hierarchy,
         mesh: &Mesh,
-        lit: &mut Vec<VertexLight>,
+        lit: &mut Lit,
         watch: &mut Watch<'_>,
         done: Range<f32>,
     ) {
@@ -275,7 +276,7 @@ impl<'a> Light<'a> {
     }
 
     /// Gives every vertex that is not in `lit` yet the mean of the leaves around it, weighted by area (§5.2).
-    pub(super) fn average(&self, hierarchy: &Hierarchy, mesh: &Mesh, lit: &mut Vec<VertexLight>) {
+    pub(super) fn average(&self, hierarchy: &Hierarchy, mesh: &Mesh, lit: &mut Lit) {
         let around = mesh.leaves_around(hierarchy);
         let missing: Vec<VertexLight> = around[lit.len()..]
             .par_iter()

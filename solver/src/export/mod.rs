@@ -1,6 +1,7 @@
 //! From the hierarchy to a mesh with directional light per vertex (§5.2 and design §4 "Export").
 
 mod light;
+mod lit;
 mod mesh;
 mod place;
 mod pockets;
@@ -13,7 +14,8 @@ use crate::scene::Scene;
 use crate::solution::{NO_DISTRIBUTION, Solution};
 use crate::solve::{Prepared, Transported, Watch};
 use glam::Vec3;
-use light::{Light, VertexLight};
+use light::Light;
+use lit::Lit;
 use mesh::Mesh;
 use std::time::Instant;
 
@@ -36,7 +38,7 @@ pub(crate) fn export(
     refine::balance(&mut hierarchy);
     let mut mesh = Mesh::default();
     mesh.add_corners(&hierarchy);
-    let mut lit: Vec<VertexLight> = Vec::new();
+    let mut lit = Lit::default();
     if gather {
         let centres =
             refine::gather_and_split(&mut hierarchy, &mut mesh, &light, &mut lit, settings, watch);
@@ -55,12 +57,12 @@ pub(crate) fn export(
         light.average(&hierarchy, &mesh, &mut lit);
     }
     let mut stats = transported.stats.clone();
-    for vertex in &lit {
+    for (vertex, distribution) in lit.vertices() {
         stats.solve.vertex_links += vertex.stats.links;
         stats.solve.rays += vertex.stats.rays;
         stats.solve.brdf_evaluations += vertex.brdf_evaluations;
         stats.solve.basis_functions += vertex.basis_functions;
-        stats.solve.distributions += u64::from(vertex.distribution.is_some());
+        stats.solve.distributions += u64::from(distribution.is_some());
     }
     stats.scene.triangles = scene.triangles().len() as u64;
     let mut solution = assemble(scene, prepared, &hierarchy, &mesh, lit);
@@ -83,7 +85,7 @@ fn assemble(
     prepared: &Prepared,
     hierarchy: &Hierarchy,
     mesh: &Mesh,
-    lit: Vec<VertexLight>,
+    lit: Lit,
 ) -> Solution {
     let frame = &prepared.frame;
     let mut solution = Solution {
@@ -99,30 +101,22 @@ fn assemble(
         element_edges: mesh.element_edges.clone(),
         ..Solution::default()
     };
-    let words = lit
-        .iter()
-        .flat_map(|l| &l.distribution)
-        .map(|words| words.len())
-        .sum();
-    solution.distribution_words.reserve_exact(words);
-    for (vertex, light) in mesh.vertices.iter().zip(lit) {
+    for (vertex, (light, distribution)) in mesh.vertices.iter().zip(lit.vertices()) {
         solution
             .position
             .push(frame.position(hierarchy.points[vertex.point as usize]));
         solution.normal.push(vertex.normal);
         solution.radiance.push(frame.radiance(light.radiance));
         solution.material.push(vertex.material);
-        match light.distribution {
-            Some(words) => {
-                solution
-                    .distribution_offset
-                    .push(solution.distribution_words.len() as u32);
-                let scale = f32::from_bits(words[0]) * frame.radiance_unit();
-                solution.distribution_words.push(scale.to_bits());
-                solution.distribution_words.extend_from_slice(&words[1..]);
-            }
-            None => solution.distribution_offset.push(NO_DISTRIBUTION),
-        }
+        let offset = distribution.unwrap_or(NO_DISTRIBUTION);
+        solution.distribution_offset.push(offset);
+    }
+    // The first word of each is its scale.
+    let scales: Vec<u32> = lit.vertices().filter_map(|vertex| vertex.1).collect();
+    solution.distribution_words = lit.into_words();
+    for at in scales {
+        let word = &mut solution.distribution_words[at as usize];
+        *word = (f32::from_bits(*word) * frame.radiance_unit()).to_bits();
     }
     push_dark_sides(prepared, &mut solution);
     solution

@@ -2,6 +2,7 @@
 //! predict: error control after the fact, where the eye will look.
 
 use super::light::{Light, VertexLight};
+use super::lit::Lit;
 use super::mesh::{Mesh, leaves};
 use crate::config::Settings;
 use crate::hierarchy::{Element, Hierarchy};
@@ -77,7 +78,7 @@ pub(super) fn gather_and_split(
     hierarchy: &mut Hierarchy,
     mesh: &mut Mesh,
     light: &Light<'_>,
-    lit: &mut Vec<VertexLight>,
+    lit: &mut Lit,
     settings: &Settings,
     watch: &mut Watch<'_>,
 ) -> Vec<Option<Rgb>> {
@@ -99,14 +100,14 @@ pub(super) fn gather_and_split(
             })
             .copied()
             .collect();
-        let shared = &*hierarchy;
+        let (shared, lit) = (&*hierarchy, &*lit);
         let looked: Vec<(bool, Option<Rgb>)> = candidates
             .par_iter()
             .with_max_len(32)
             .map(|element| {
                 let corners: Vec<&VertexLight> = mesh
                     .corners(shared, element)
-                    .map(|v| &lit[v as usize])
+                    .map(|v| lit.vertex(v))
                     .collect();
                 let mean = corners.iter().fold(Rgb::BLACK, |sum, v| sum + v.irradiance)
                     / corners.len() as f32;
