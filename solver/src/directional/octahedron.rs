@@ -89,15 +89,6 @@ pub fn barycentric([a, b, c]: Corners, direction: Vec3) -> Vec3 {
     }
 }
 
-/// Solid angle of a spherical triangle [sr] (Van Oosterom & Strackee 1983), in f64.
-pub fn solid_angle(corners: Corners) -> f64 {
-    let [a, b, c] = corners.map(|v| v.as_dvec3());
-    let (la, lb, lc) = (a.length(), b.length(), c.length());
-    let volume = a.dot(b.cross(c)).abs();
-    let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    2.0 * volume.atan2(denominator)
-}
-
 /// A fold through triangles of this level does not matter.
 const SMOOTH: usize = 4;
 
@@ -172,6 +163,7 @@ pub fn centre([a, b, c]: Corners) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::polygon::solid_angle;
 
     fn visit(corners: Corners, level: usize, leaf: &mut impl FnMut(Corners)) {
         if level == 0 {

@@ -1,7 +1,7 @@
 //! Convex planar polygons of three or four corners, and their exact form factors to a point.
 
 use super::Cone;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 /// A convex, planar triangle or quad, counter-clockwise seen from its front.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,21 +37,15 @@ impl Polygon {
         }
     }
 
-    /// Solid angle seen from a point [sr] (van Oosterom & Strackee 1983).
+    /// Solid angle seen from a point [sr].
     pub fn solid_angle(&self, point: Vec3) -> f32 {
-        let corners = self.corners.map(|corner| (corner - point).as_dvec3());
-        let of_triangle = |[a, b, c]: [DVec3; 3]| {
-            let (x, y, z) = (a.length(), b.length(), c.length());
-            let rest = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
-            2.0 * a.dot(b.cross(c)).abs().atan2(rest)
-        };
-        let [a, b, c, d] = corners;
+        let [a, b, c, d] = self.corners.map(|corner| corner - point);
         let rest = if self.count == 4 {
-            of_triangle([a, c, d])
+            solid_angle([a, c, d])
         } else {
             0.0
         };
-        (of_triangle([a, b, c]) + rest) as f32
+        (solid_angle([a, b, c]) + rest) as f32
     }
 
     /// Mean of the corners.
@@ -155,6 +149,15 @@ impl Polygon {
             None => cone.vector_irradiance(),
         }
     }
+}
+
+/// Solid angle of a triangle seen from the origin [sr] (Van Oosterom & Strackee 1983), in f64.
+pub fn solid_angle(corners: [Vec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+    let (la, lb, lc) = (a.length(), b.length(), c.length());
+    let volume = a.dot(b.cross(c)).abs();
+    let rest = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    2.0 * volume.atan2(rest)
 }
 
 #[cfg(test)]
