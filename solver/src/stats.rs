@@ -60,7 +60,7 @@ pub struct SolveStats {
     pub brdf_evaluations: u64,
     /// Power emitted [W].
     pub emitted_w: f64,
-    /// Power absorbed by surfaces [W].
+    /// Power absorbed by surfaces, and by clear glass on the way to them [W].
     pub absorbed_w: f64,
     /// Power not yet followed when the solve was stopped [W]. Otherwise zero: what few iterations leave is summed as the
     /// series that it would become.

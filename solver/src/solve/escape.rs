@@ -17,6 +17,8 @@ pub(super) struct Escape {
     pub share: DVec3,
     /// Its standard deviation.
     pub deviation: DVec3,
+    /// The part that clear glass absorbs.
+    pub in_glass: DVec3,
 }
 
 /// Rays that are summed on one thread.
@@ -61,8 +63,8 @@ pub(super) fn escape(
     if total <= 0.0 {
         return Escape::default();
     }
-    // Light of one ray, and what of it escapes.
-    let follow = |ray: u32| -> (Rgb, Rgb) {
+    // Light of one ray, what of it escapes, and what glass absorbs.
+    let follow = |ray: u32| -> [Rgb; 3] {
         // Roberts' sequence: multiples of the powers of a root of x⁵ = x + 1.
         let u = |step: f64| (0.5 + f64::from(ray) * step).fract() as f32;
         let at = (f64::from(ray) + 0.5) / f64::from(rays) * total;
@@ -78,43 +80,42 @@ pub(super) fn escape(
                 let direction = cosine_direction(element.normal, direction);
                 let mean = own / (PI * f64::from(node.area));
                 let light = exitant.towards(id, direction) / mean as f32;
-                (
-                    light,
-                    light * passed(prepared, from, direction, element.patch),
-                )
+                let escaped = passed(prepared, from, direction, element.patch);
+                let tint = tint(prepared, from, direction, element.patch, escaped);
+                [light, light * escaped, light * (Rgb::WHITE - tint)]
             }
             None => {
                 let (from, intensity) = point_lights[source - leaves.len()];
                 let direction = sphere_direction(direction);
                 let light = intensity / intensity.mean();
-                (light, light * passed(prepared, from, direction, NO_PATCH))
+                let escaped = passed(prepared, from, direction, NO_PATCH);
+                let tint = tint(prepared, from, direction, NO_PATCH, escaped);
+                [light, light * escaped, light * (Rgb::WHITE - tint)]
             }
         }
     };
-    let sums: Vec<(DVec3, DVec3)> = (0..rays.div_ceil(CHUNK))
+    let add = |a: [DVec3; 3], b: [DVec3; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+    let sums: Vec<[DVec3; 3]> = (0..rays.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let range = chunk * CHUNK..rays.min((chunk + 1) * CHUNK);
             range
-                .map(follow)
-                .fold((DVec3::ZERO, DVec3::ZERO), |(all, out), (sent, escaped)| {
-                    (all + sent.to_dvec3(), out + escaped.to_dvec3())
-                })
+                .map(|ray| follow(ray).map(|light| light.to_dvec3()))
+                .fold([DVec3::ZERO; 3], add)
         })
         .collect();
-    let (sent, escaped) = sums
-        .iter()
-        .fold((DVec3::ZERO, DVec3::ZERO), |(all, out), (sent, escaped)| {
-            (all + *sent, out + *escaped)
-        });
-    let part = |channel: usize| {
-        if sent[channel] > 0.0 {
-            escaped[channel] / sent[channel]
-        } else {
-            0.0
-        }
+    let [sent, escaped, absorbed] = sums.into_iter().fold([DVec3::ZERO; 3], add);
+    let part = |light: DVec3| {
+        let of_channel = |c: usize| {
+            if sent[c] > 0.0 {
+                light[c] / sent[c]
+            } else {
+                0.0
+            }
+        };
+        DVec3::new(of_channel(0), of_channel(1), of_channel(2))
     };
-    let share = DVec3::new(part(0), part(1), part(2));
+    let share = part(escaped);
     let variance = (share * (DVec3::ONE - share)).max(DVec3::ZERO) / f64::from(rays);
     let deviation = variance.map(f64::sqrt);
     // What a handful of rays say is not told from none.
@@ -122,6 +123,7 @@ pub(super) fn escape(
     Escape {
         share: DVec3::select(is_some, share, DVec3::ZERO),
         deviation: DVec3::select(is_some, deviation, DVec3::ZERO),
+        in_glass: part(absorbed),
     }
 }
 
@@ -132,4 +134,19 @@ fn passed(prepared: &Prepared, from: Vec3, direction: Vec3, origin: u32) -> Rgb 
     }
     let beside = (direction + direction.any_orthonormal_vector() * BESIDE).normalize();
     passed.min(prepared.occluders.escape(from, beside, origin))
+}
+
+/// What of the light of a ray is left after the glass on its way to where it ends; `escaped`: what leaves the scene.
+fn tint(prepared: &Prepared, from: Vec3, direction: Vec3, origin: u32, escaped: Rgb) -> Rgb {
+    if prepared.glass.is_empty() {
+        return Rgb::WHITE;
+    }
+    let occluders = &prepared.occluders;
+    match occluders.nearest_hit(from, direction, origin) {
+        Some(hit) => {
+            let to = from + direction * hit.distance;
+            occluders.strict_transmittance(from, to, [origin, hit.patch])
+        }
+        None => escaped,
+    }
 }

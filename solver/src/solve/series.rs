@@ -131,6 +131,7 @@ mod tests {
         let open = Escape {
             share: DVec3::splat(0.5),
             deviation: DVec3::splat(0.001),
+            ..Escape::default()
         };
         // 0.2 % of what is sent is within three deviations, 1 % is not.
         let factor = conserving(DVec3::ONE, &open, DVec3::new(0.498, 0.49, 0.5));

@@ -125,6 +125,8 @@ pub(crate) struct Shooting<'a> {
     openness: Openness,
     stats: Stats,
     links: LinkStats,
+    /// Power that clear glass has absorbed.
+    in_glass: f64,
 }
 
 impl<'a> Shooting<'a> {
@@ -154,6 +156,7 @@ impl<'a> Shooting<'a> {
             openness,
             stats,
             links: LinkStats::default(),
+            in_glass: 0.0,
         };
         let config = shooting.reflect_config(0.0);
         let (emitted, _, ledger) = shooting.reflected(&SampleSets::default(), &config, true);
@@ -218,6 +221,7 @@ impl<'a> Shooting<'a> {
             solve.phases_s.push += started.elapsed().as_secs_f64();
             let weight = if is_last { tail } else { DVec3::ONE };
             solve.escaped_w += mean(escape.share * shot * weight);
+            self.in_glass += mean(escape.in_glass * shot * weight);
             solve.corrected_w += mean(reflected.received * (factor - factor / correction) * weight);
             sent = reflected.exitance;
             if is_last {
@@ -403,7 +407,8 @@ impl<'a> Shooting<'a> {
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
         pull(&self.hierarchy, &mut total, self.settings.transport_epsilon);
         let solve = &mut self.stats.solve;
-        solve.absorbed_w = mean(ledger.received - (ledger.exitance - self.emitted));
+        let by_surfaces = mean(ledger.received - (ledger.exitance - self.emitted));
+        solve.absorbed_w = by_surfaces + self.in_glass;
         solve.elements = self.hierarchy.elements.len() as u64;
         solve.leaves = self
             .hierarchy
