@@ -98,7 +98,7 @@ fn cornell() {
 
 #[test]
 fn cornell_glossy() {
-    // High quality takes half a minute here; the other scenes show that it pays.
+    // High quality takes long here; the other scenes show that it pays.
     let cameras = ["front", "inside"];
     check("cornell_glossy", &cameras, &GLOSSY, Quality::DEFAULT);
 }
