@@ -315,14 +315,10 @@ fn slivers() {
         builder.quad([from, to, to + wide, from + wide], shiny);
     }
     let solution = solved("slivers", &builder.build());
-    let names: Vec<usize> = (0..solution.position.len())
+    let lit: Vec<usize> = (0..solution.position.len())
         .filter(|&v| solution.material[v] == shiny && !solution.radiance[v].is_black())
         .collect();
-    assert!(
-        names.len() >= 12,
-        "{} vertices of slivers are lit",
-        names.len()
-    );
+    assert!(lit.len() >= 12, "{} vertices of slivers are lit", lit.len());
 }
 
 #[test]

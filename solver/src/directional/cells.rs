@@ -1,6 +1,7 @@
 //! The cells of the first octant, tabulated: which child holds a direction, and where in a leaf it lies.
 //!
-//! The octants are mirror images of each other, so the absolute values of a direction's coordinates find its cell.
+//! [`octahedron`] finds the same without a table: the plain twin. The octants are mirror images of each other, so the
+//! absolute values of a direction's coordinates find its cell.
 
 use super::octahedron::{self, Corners};
 use glam::Vec3;
@@ -58,14 +59,7 @@ impl Cell {
 
     /// [`octahedron::barycentric`].
     pub(super) fn barycentric(&self, direction: Vec3) -> Vec3 {
-        let weights = Vec3::from(self.sides.map(|side| side.dot(direction)));
-        let weights = weights.max(Vec3::ZERO);
-        let sum = weights.element_sum();
-        if sum > 0.0 {
-            weights / sum
-        } else {
-            Vec3::splat(1.0 / 3.0)
-        }
+        octahedron::clamped(self.sides.map(|side| side.dot(direction)).into())
     }
 }
 

@@ -80,6 +80,11 @@ pub fn barycentric([a, b, c]: Corners, direction: Vec3) -> Vec3 {
     } else {
         weights
     };
+    clamped(weights)
+}
+
+/// Barycentric coordinates that are not negative and sum to 1.
+pub(super) fn clamped(weights: Vec3) -> Vec3 {
     let weights = weights.max(Vec3::ZERO);
     let sum = weights.element_sum();
     if sum > 0.0 {

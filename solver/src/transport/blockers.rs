@@ -86,7 +86,7 @@ impl<'a> Blockers<'a> {
     }
 
     /// Remembers an opaque patch that hid something.
-    pub(super) fn extend(&mut self, patch: Option<u32>) {
+    pub(super) fn add(&mut self, patch: Option<u32>) {
         let Some(patch) = patch else { return };
         if let Some(at) = self.shadows.iter().position(|s| s.patch == patch) {
             self.shadows[..=at].rotate_right(1);
@@ -138,7 +138,7 @@ mod tests {
             let shapes = [shape];
             let mut blockers = Blockers::new(Vec3::ZERO, &shapes);
             assert!(!blockers.hide(lower, upper), "nothing is known yet");
-            blockers.extend(Some(0));
+            blockers.add(Some(0));
             if blockers.hide(lower, upper) {
                 hidden += 1;
                 for i in 0..200 {
@@ -164,7 +164,7 @@ mod tests {
         let shapes: Vec<Polygon> = (1..=20).map(|z| square(z as f32)).collect();
         let mut blockers = Blockers::new(Vec3::ZERO, &shapes);
         for patch in 0..20 {
-            blockers.extend(Some(patch));
+            blockers.add(Some(patch));
         }
         let order = |b: &Blockers<'_>| b.shadows.iter().map(|s| s.patch).collect::<Vec<_>>();
         assert_eq!(order(&blockers), (4..20).rev().collect::<Vec<_>>());

@@ -132,7 +132,7 @@ impl Gather<'_> {
             };
             if strength > weak.start * limit && strength <= weak.end * limit {
                 let seen = rays.strata(2, &mut stats);
-                blockers.extend(seen.blocker);
+                blockers.add(seen.blocker);
                 if !seen.is_mixed() {
                     let transmittance = seen.transmittance();
                     stats.links += 1;
@@ -194,7 +194,7 @@ impl Gather<'_> {
             }
             let strata = if strength > limit { self.strata } else { 1 };
             let seen = rays.strata(strata, &mut stats);
-            blockers.extend(seen.blocker);
+            blockers.add(seen.blocker);
             if seen.is_mixed() && can_refine && strength > limit {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))
