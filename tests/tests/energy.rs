@@ -13,6 +13,10 @@ use std::ops::ControlFlow;
 /// Emitted power is absorbed, unshot or escaped to 0.5 %.
 const LEDGER: f64 = 0.005;
 
+/// The same in scenes of many small things at preview, as links leave it. What a thing stands on is found at 64 places of
+/// an element: light that is taken to leave from thinner parts below things is lost in them, and given back.
+const FURNISHED: f64 = 0.01;
+
 /// Escape rays may start within rounding of an edge where two faces meet, and slip through it.
 const SLIPPED: f64 = 5e-5;
 
@@ -32,11 +36,18 @@ impl Observer for TransportOnly {
 /// Solves, and adds to `faults` where the ledger does not close.
 fn check(name: &str, scene: &Scene, faults: &mut Vec<String>) -> Solution {
     let solution = solve(scene, &SolveConfig::default(), &mut ()).unwrap();
-    check_solution(name, &solution, Quality::DEFAULT, faults);
+    check_solution(name, &solution, Quality::DEFAULT, LEDGER, faults);
     solution
 }
 
-fn check_solution(name: &str, solution: &Solution, quality: Quality, faults: &mut Vec<String>) {
+/// `links`: how far off the ledger may be as links left it.
+fn check_solution(
+    name: &str,
+    solution: &Solution,
+    quality: Quality,
+    links: f64,
+    faults: &mut Vec<String>,
+) {
     let s = &solution.stats.solve;
     println!(
         "{name}: emitted {:.5} W, absorbed {:.5}, unshot {:.5}, escaped {:.5}; {} iterations, {:.1} s",
@@ -44,10 +55,10 @@ fn check_solution(name: &str, solution: &Solution, quality: Quality, faults: &mu
     );
     let known = s.absorbed_w + s.unshot_w + s.escaped_w;
     // As links left it, and after what they lost was given back.
-    for known in [known - s.corrected_w, known] {
+    for (known, most) in [(known - s.corrected_w, links), (known, LEDGER)] {
         let error = known / s.emitted_w - 1.0;
         println!("{name}: ledger off by {:+.4} %", error * 100.0);
-        if error.abs() > LEDGER {
+        if error.abs() > most {
             faults.push(format!("{name}: {:+.4} %", error * 100.0));
         }
     }
@@ -148,7 +159,7 @@ fn check_furnished(name: &str, scene: &Scene) {
     };
     let solution = solve(scene, &config, &mut TransportOnly).unwrap();
     let mut faults = Vec::new();
-    check_solution(name, &solution, Quality::PREVIEW, &mut faults);
+    check_solution(name, &solution, Quality::PREVIEW, FURNISHED, &mut faults);
     assert!(faults.is_empty(), "{faults:#?}");
 }
 

@@ -89,7 +89,8 @@ pub fn verify(
 }
 
 /// Holds the `solution` of a furnace ([`sheen_solver::solve::solve_furnace`]) against the one `radiance` that it has
-/// everywhere; `tracer`: of its scene. Sides that are dark, where none of the scene's lamps reaches, are left out.
+/// everywhere; `tracer`: of its scene. Sides that are dark, where none of the scene's lamps reaches, are left out, and so
+/// is what sees them: a floor below a box.
 pub fn verify_furnace(
     solution: &Solution,
     radiance: f32,
@@ -102,7 +103,12 @@ pub fn verify_furnace(
     let hold = |probe: &Probe, _: &mut Sampler| {
         let stored = look(solution, &looker, probe);
         let error = (stored - Rgb::splat(radiance)).to_array().map(f64::from);
-        (!stored.is_black()).then(|| Met {
+        let opposite = Probe {
+            direction: -probe.direction,
+            ..*probe
+        };
+        let is_dark = stored.is_black() || look(solution, &looker, &opposite).is_black();
+        (!is_dark).then(|| Met {
             material: probe.material,
             difference: error.iter().sum::<f64>() / 3.0,
             truth: f64::from(radiance),

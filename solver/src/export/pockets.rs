@@ -143,6 +143,7 @@ mod tests {
             prepared.patches.clone(),
             &prepared.frame.materials,
             &[[crate::hierarchy::reach::Side {
+                touched: false,
                 lit: true,
                 emits: false,
             }; 2]]

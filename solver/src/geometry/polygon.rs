@@ -88,6 +88,34 @@ impl Polygon {
         }
     }
 
+    /// Where [`Self::point`] takes a point of its plane from.
+    pub fn uv(&self, point: Vec3) -> Vec2 {
+        let [a, b, c, d] = self.corners;
+        // x and y of `at` = x u + y v.
+        let solve = |at: Vec3, u: Vec3, v: Vec3| {
+            let normal = u.cross(v);
+            let squared = normal.length_squared();
+            Vec2::new(at.cross(v).dot(normal), u.cross(at).dot(normal)) / squared
+        };
+        if self.count == 3 {
+            let weights = solve(point - a, b - a, c - a);
+            let s = weights.x + weights.y;
+            return if s > 0.0 {
+                Vec2::new(s * s, weights.y / s)
+            } else {
+                Vec2::ZERO
+            };
+        }
+        let mut uv = Vec2::splat(0.5);
+        // Newton's method: exact after one step on parallelograms.
+        for _ in 0..4 {
+            let along = (b - a).lerp(c - d, uv.y);
+            let across = (d - a).lerp(c - b, uv.x);
+            uv += solve(point - self.point(uv), along, across);
+        }
+        uv
+    }
+
     /// Visits the points of a quadrature of equal weights that is exact for quadratic functions on triangles and
     /// cubic ones on parallelograms: a mean over the shape.
     pub fn quadrature(&self, mut visit: impl FnMut(Vec3)) {
@@ -193,6 +221,28 @@ mod tests {
             (form_factor - 0.199824895698387).abs() < 2e-5,
             "{form_factor}"
         );
+    }
+
+    #[test]
+    fn places_in_the_square_are_found_again() {
+        let trapezium = [
+            Vec3::ZERO,
+            Vec3::new(3.0, 0.0, 1.0),
+            Vec3::new(2.0, 1.0, 1.0),
+            Vec3::new(0.5, 1.0, 0.5),
+        ];
+        let flat = trapezium.map(|c| Vec3::new(c.x, c.y, 0.3 * c.x - c.y));
+        for shape in [
+            unit_square(0.5),
+            Polygon::new(&flat),
+            Polygon::new(&flat[1..]),
+        ] {
+            for i in 0..100 {
+                let uv = crate::geometry::sampling::spread(i);
+                let found = shape.uv(shape.point(uv));
+                assert!((found - uv).length() < 1e-4, "{uv}, found {found}");
+            }
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Clusters above the patches: a bounding volume hierarchy by obvhs, opened to four children a node.
 
+use super::exposed::Exposed;
 use super::reach::Side;
 use super::{Element, Hierarchy, NONE, Node, NodeId};
 use crate::geometry::Polygon;
@@ -131,7 +132,7 @@ fn push_sides(
     hierarchy: &mut Hierarchy,
     materials: &[Material],
     patch_id: u32,
-    lit: [Side; 2],
+    sides: [Side; 2],
     parent: NodeId,
 ) {
     let patch = hierarchy.patches[patch_id as usize];
@@ -144,7 +145,7 @@ fn push_sides(
     let reflectance = (material.diffuse + specular).mean().max(LEAST_REFLECTANCE);
     let count = if patch.points[3] == NONE { 3 } else { 4 };
     for back in [false, true] {
-        if !lit[usize::from(back)].lit {
+        if !sides[usize::from(back)].lit {
             continue;
         }
         let mut points = patch.points;
@@ -180,6 +181,8 @@ fn push_sides(
             material: patch.material,
             back,
             level: 0,
+            exposed: Exposed::ALL,
+            is_touched: sides[usize::from(back)].touched,
         };
         hierarchy.push_element(element, parent);
         let node = hierarchy.nodes.last_mut().expect("an element was pushed");

@@ -35,9 +35,8 @@ pub fn usable_sides(patches: &[Patch], materials: &[Material]) -> Vec<[bool; 2]>
 }
 
 /// Which sides, front and back, lie wholly in the place of another patch that is seen instead. Cost: a search through
-/// a tree of the patches for each.
-pub fn covered_sides(shapes: &[Polygon], usable: &[[bool; 2]]) -> Vec<[bool; 2]> {
-    let tree = PatchTree::new(shapes, &[]);
+/// the `tree` of the patches for each.
+pub fn covered_sides(tree: &PatchTree, shapes: &[Polygon], usable: &[[bool; 2]]) -> Vec<[bool; 2]> {
     let sides = |patch: usize| {
         let shape = &shapes[patch];
         let region = Region {
@@ -47,7 +46,7 @@ pub fn covered_sides(shapes: &[Polygon], usable: &[[bool; 2]]) -> Vec<[bool; 2]>
             planes: &[],
         };
         let mut covered = [false; 2];
-        tree.visit(&region, |other| {
+        tree.visit_patches(&region, |other| {
             let other = other as usize;
             if other != patch && lies_in(shape, &shapes[other]) {
                 let same = shape.vector_area().dot(shapes[other].vector_area()) > 0.0;
@@ -98,6 +97,10 @@ mod tests {
         Polygon::new(&corners)
     }
 
+    fn covered(shapes: &[Polygon], usable: &[[bool; 2]]) -> Vec<[bool; 2]> {
+        covered_sides(&PatchTree::new(shapes, &[]), shapes, usable)
+    }
+
     #[test]
     fn of_sides_in_one_place_one_is_left() {
         let (whole, part, beside) = (
@@ -110,23 +113,23 @@ mod tests {
         // The part lies in the whole; what lies beside it only touches it with a corner of its own.
         let shapes = [whole, part, beside];
         assert_eq!(
-            covered_sides(&shapes, &[both; 3]),
+            covered(&shapes, &[both; 3]),
             [[false; 2], [true; 2], [false; 2]]
         );
         // The other way round it is the part that is seen, and the whole stays for what is around it.
         assert_eq!(
-            covered_sides(&[part, whole], &[both; 2]),
+            covered(&[part, whole], &[both; 2]),
             [[false; 2], [false; 2]]
         );
         // Back to back: each covers the other's back.
         let back_to_back = [square(0.0, 0.4, true), square(0.0, 0.4, false)];
         assert_eq!(
-            covered_sides(&back_to_back, &[front; 2]),
+            covered(&back_to_back, &[front; 2]),
             [[false, true], [false, true]]
         );
         // The same twice.
         assert_eq!(
-            covered_sides(&[whole, whole], &[front; 2]),
+            covered(&[whole, whole], &[front; 2]),
             [[false; 2], [true; 2]]
         );
     }

@@ -6,15 +6,19 @@
 
 mod cluster;
 pub mod coincident;
+pub mod contact;
+pub mod exposed;
 pub mod patch;
 pub mod reach;
 mod split;
 
 use crate::geometry::Polygon;
 use crate::scene::Material;
-use glam::Vec3;
+use exposed::Exposed;
+use glam::{Vec2, Vec3};
 use patch::Patch;
 use rustc_hash::FxHashMap;
+use std::collections::BTreeSet;
 
 /// Number of a node; the root is 0.
 pub type NodeId = u32;
@@ -33,7 +37,7 @@ pub struct Node {
     pub centre: Vec3,
     /// Radius of a sphere around `centre` that holds the node.
     pub radius: f32,
-    /// One-sided area; of a cluster, the sum over its patches.
+    /// One-sided area of what light can reach; of a cluster, the sum over its patches.
     pub area: f32,
     /// Area times largest diffuse plus specular reflectance, summed.
     pub reflecting_area: f32,
@@ -68,12 +72,21 @@ pub struct Element {
     pub back: bool,
     /// Subdivisions below the patch.
     pub level: u8,
+    /// Which part of it light can reach.
+    pub exposed: Exposed,
+    /// Something may touch it: its parts may differ in that.
+    pub is_touched: bool,
 }
 
 impl Element {
     /// Number of corners, three or four.
     pub fn corner_count(&self) -> usize {
         self.polygon.corners().len()
+    }
+
+    /// The point at `uv` of the unit square, on what light can reach.
+    pub fn point(&self, uv: Vec2) -> Vec3 {
+        self.polygon.point(self.exposed.point(uv))
     }
 }
 
@@ -200,6 +213,23 @@ impl Hierarchy {
                 points.push((points[a as usize] + points[b as usize]) * 0.5);
                 points.len() as u32 - 1
             })
+    }
+
+    /// Adds up the areas of `nodes` and of all above them again.
+    fn sum_areas(&mut self, nodes: Vec<NodeId>) {
+        let mut pending: BTreeSet<NodeId> = nodes.into_iter().filter(|&id| id != NONE).collect();
+        // Parents have smaller numbers than their children.
+        while let Some(id) = pending.pop_last() {
+            let children =
+                &self.nodes[self.children(id).start as usize..self.children(id).end as usize];
+            let area = children.iter().map(|child| child.area).sum();
+            let reflecting_area = children.iter().map(|child| child.reflecting_area).sum();
+            let node = &mut self.nodes[id as usize];
+            (node.area, node.reflecting_area) = (area, reflecting_area);
+            if node.parent != NONE {
+                pending.insert(node.parent);
+            }
+        }
     }
 
     /// Appends an element and its node; the reflecting area is left to the caller.

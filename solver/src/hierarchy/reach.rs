@@ -1,22 +1,24 @@
 //! Which sides of the patches light can reach at all.
 //!
 //! Surfaces reflect on both sides, but most backs are inside solid things or outside of a closed room. Light is
-//! flooded along rays: a side is lit when it emits, when a lit side's ray meets it, or when a ray of its own meets a
-//! lit side. What is left is dark and needs no element. Hoped, not proven: an opening that a few dozen rays from
-//! either side all miss is taken for closed. Cost: a few dozen rays per side.
+//! flooded along rays: a side is lit when it emits, when a ray from where another is lit meets it, or when a ray of its
+//! own meets such a place. What is left is dark and needs no element. A floor that a box stands on is one patch: rays go
+//! on from the points that others met, not from all of it, and so the inside of the box stays dark. Hoped, not proven:
+//! an opening that a few dozen rays from either side all miss is taken for closed. Cost: a few dozen rays per side.
 
+use super::contact::{Contacts, Meeting, Reach};
 use super::patch::Patch;
-use crate::geometry::sampling::cosine_direction;
-use crate::geometry::{Polygon, hash};
+use crate::geometry::hash;
+use crate::geometry::sampling::{cosine_direction, sphere_direction};
 use crate::radiometry::Rgb;
 use crate::scene::Material;
-use crate::transport::visibility::Occluders;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use std::f32::consts::TAU;
 
-/// Rays that a newly lit side sends, and that a dark one casts for itself.
+/// Rays that a lit side sends, and that a dark one casts for itself.
 const RAYS: u32 = 24;
+/// Of these, rays from one point.
+const POINT_RAYS: u32 = 4;
 /// A lamp's back is its inside when this share of its rays ends on the lamp's own back: it does not emit.
 const INSIDE_SHARE: f32 = 0.75;
 /// Rays from each point light and each emitter.
@@ -29,123 +31,188 @@ pub struct Side {
     pub lit: bool,
     /// It emits, and not into the inside of its own lamp.
     pub emits: bool,
+    /// Something touches it: light may not reach all of it.
+    pub touched: bool,
 }
 
-/// For each patch its front and its back: can light reach it, does it emit? `usable`: the sides that can be seen at all.
+/// For each patch its front and its back: can light reach it, does it emit, does something touch it? `usable`: the sides
+/// that can be seen at all.
 pub fn lit_sides(
-    points: &[Vec3],
+    contacts: &Contacts<'_>,
     patches: &[Patch],
     materials: &[Material],
     point_lights: &[(Vec3, Rgb)],
-    occluders: &Occluders,
     usable: &[[bool; 2]],
 ) -> Vec<[Side; 2]> {
-    let sides = Sides {
-        points,
-        patches,
-        occluders,
+    let side = |touched: bool| Side {
+        touched,
+        ..Side::default()
     };
-    let mut lit = vec![[Side::default(); 2]; patches.len()];
-    let mut fresh: Vec<(u32, bool, u32)> = Vec::new();
-    for (index, patch) in patches.iter().enumerate() {
+    let touched = contacts.touched_sides();
+    let mut flood = Flood {
+        contacts,
+        usable,
+        sides: touched.into_iter().map(|sides| sides.map(side)).collect(),
+        left: vec![[RAYS; 2]; patches.len()],
+        sources: Vec::new(),
+    };
+    for (patch, index) in patches.iter().zip(0..) {
         let m = &materials[patch.material as usize];
-        if !m.emission.is_black() {
-            for back in [false, true] {
-                // The inside of a lamp sees itself, and what holds the lamp: a rod, a wire.
-                let sees_out = || {
-                    let seen = sides.seen_from(index as u32, true, RAYS);
-                    let inside = |(p, b): &&(u32, bool)| {
-                        *b && patches[*p as usize].material == patch.material
-                    };
-                    (seen.iter().filter(inside).count() as f32) < INSIDE_SHARE * RAYS as f32
-                };
-                let may_emit = usable[index][usize::from(back)] && (!back || m.emits_from_back);
-                if may_emit && (!back || sees_out()) {
-                    lit[index][usize::from(back)] = Side {
-                        lit: true,
-                        emits: true,
-                    };
-                    fresh.push((index as u32, back, LAMP_RAYS));
-                }
-            }
-        }
-    }
-    let mut hits: Vec<(u32, bool)> = Vec::new();
-    for &(position, _) in point_lights {
-        for ray in 0..LAMP_RAYS * 8 {
-            let z = 2.0 * hash::unit(ray, 1) - 1.0;
-            let (s, phi) = ((1.0 - z * z).sqrt(), TAU * hash::unit(ray, 2));
-            let direction = Vec3::new(s * phi.cos(), s * phi.sin(), z);
-            let hit = occluders.first_hit(position, direction, super::NONE);
-            hits.extend(hit.map(|hit| (hit.patch, hit.back)));
-        }
-    }
-    loop {
-        let found: Vec<Vec<(u32, bool)>> = fresh
-            .par_iter()
-            .map(|&(patch, back, rays)| sides.seen_from(patch, back, rays))
-            .collect();
-        hits.extend(found.into_iter().flatten());
-        fresh.clear();
-        for (patch, back) in hits.drain(..) {
-            let side = usize::from(back);
-            if usable[patch as usize][side] && !lit[patch as usize][side].lit {
-                lit[patch as usize][side].lit = true;
-                fresh.push((patch, back, RAYS));
-            }
-        }
-        if !fresh.is_empty() {
+        if m.emission.is_black() {
             continue;
         }
-        // Nobody's ray meets the rest: do theirs meet anything lit?
-        let dark: Vec<(u32, bool)> = (0..patches.len() as u32)
-            .flat_map(|patch| [(patch, false), (patch, true)])
-            .filter(|&(p, back)| {
-                usable[p as usize][usize::from(back)] && !lit[p as usize][usize::from(back)].lit
-            })
-            .collect();
-        let shared = &lit;
-        let reached: Vec<(u32, bool)> = dark
-            .par_iter()
-            .copied()
-            .filter(|&(patch, back)| {
-                sides
-                    .seen_from(patch, back, RAYS)
-                    .iter()
-                    .any(|&(p, b)| shared[p as usize][usize::from(b)].lit)
-            })
-            .collect();
-        if reached.is_empty() {
-            return lit;
+        for back in [false, true] {
+            // The inside of a lamp sees itself, and what holds the lamp: a rod, a wire.
+            let sees_out = || {
+                let inside = |met: &Meeting| {
+                    met.back && patches[met.patch as usize].material == patch.material
+                };
+                let seen = contacts.seen_from_side(index, true, RAYS);
+                let count = seen.iter().filter(|(_, met)| inside(met)).count();
+                (count as f32) < INSIDE_SHARE * RAYS as f32
+            };
+            let may_emit =
+                usable[index as usize][usize::from(back)] && (!back || m.emits_from_back);
+            if may_emit && (!back || sees_out()) {
+                let side = &mut flood.sides[index as usize][usize::from(back)];
+                (side.lit, side.emits) = (true, true);
+                flood.sources.push(Source::Lamp(index, back));
+            }
         }
-        hits = reached;
+    }
+    flood
+        .sources
+        .extend(point_lights.iter().map(|light| Source::Point(light.0)));
+    loop {
+        flood.spread();
+        if !flood.reach_back() {
+            return flood.sides;
+        }
     }
 }
 
-struct Sides<'a> {
-    points: &'a [Vec3],
-    patches: &'a [Patch],
-    occluders: &'a Occluders,
+/// Where light comes from that has not been followed yet.
+#[derive(Clone, Copy)]
+enum Source {
+    /// All of the side of a patch.
+    Lamp(u32, bool),
+    /// A point light.
+    Point(Vec3),
+    /// This many rays from a place on a surface.
+    Place(Meeting, u32),
 }
 
-impl Sides<'_> {
-    /// The sides that `rays` cosine-distributed rays from a side of a patch meet.
-    fn seen_from(&self, patch: u32, back: bool, rays: u32) -> Vec<(u32, bool)> {
-        let polygon = Polygon::new(&self.patches[patch as usize].corners(self.points));
-        let normal = polygon.vector_area().normalize_or_zero() * if back { -1.0 } else { 1.0 };
-        (0..rays)
-            .filter_map(|ray| {
-                let u = |salt: u32| {
-                    hash::unit(
-                        patch.wrapping_mul(2) + u32::from(back),
-                        ray.wrapping_mul(4) + salt,
-                    )
-                };
-                let from = polygon.point(Vec2::new(0.02 + 0.96 * u(0), 0.02 + 0.96 * u(1)));
-                let direction = cosine_direction(normal, Vec2::new(u(2), u(3)));
-                let hit = self.occluders.first_hit(from, direction, patch)?;
-                Some((hit.patch, hit.back))
+struct Flood<'a> {
+    contacts: &'a Contacts<'a>,
+    usable: &'a [[bool; 2]],
+    sides: Vec<[Side; 2]>,
+    /// Rays that sides may still send.
+    left: Vec<[u32; 2]>,
+    sources: Vec<Source>,
+}
+
+impl Flood<'_> {
+    /// Follows the light of the sources, and of what they meet.
+    fn spread(&mut self) {
+        while !self.sources.is_empty() {
+            let sources = std::mem::take(&mut self.sources);
+            let found: Vec<Vec<Meeting>> = sources
+                .par_iter()
+                .map(|&source| self.contacts.seen_from(source))
+                .collect();
+            for met in found.into_iter().flatten() {
+                self.light(met);
+            }
+        }
+    }
+
+    /// Light reaches a place.
+    fn light(&mut self, at: Meeting) {
+        let (patch, side) = (at.patch as usize, usize::from(at.back));
+        if !self.usable[patch][side] {
+            return;
+        }
+        self.sides[patch][side].lit = true;
+        let rays = self.left[patch][side].min(POINT_RAYS);
+        if rays > 0 {
+            self.left[patch][side] -= rays;
+            self.sources.push(Source::Place(at, rays));
+        }
+    }
+
+    /// Nobody's ray meets the rest: do theirs meet anything lit? False when none does.
+    fn reach_back(&mut self) -> bool {
+        let sides = (0..self.sides.len() as u32).flat_map(|patch| [(patch, false), (patch, true)]);
+        let is_dark = |&(patch, back): &(u32, bool)| {
+            let (patch, side) = (patch as usize, usize::from(back));
+            self.usable[patch][side] && !self.sides[patch][side].lit
+        };
+        let dark: Vec<(u32, bool)> = sides.filter(is_dark).collect();
+        let reach = Reach {
+            contacts: *self.contacts,
+            sides: &self.sides,
+        };
+        let reached: Vec<Meeting> = dark
+            .par_iter()
+            .filter_map(|&(patch, back)| {
+                let seen = self.contacts.seen_from_side(patch, back, RAYS);
+                let lit = seen.iter().zip(0..).find(|((_, met), ray)| {
+                    reach.is_lit_at(*met, hash::mix(2 * patch + u32::from(back), *ray))
+                });
+                lit.map(|((from, _), _)| Meeting {
+                    point: *from,
+                    patch,
+                    back,
+                })
             })
-            .collect()
+            .collect();
+        let is_any = !reached.is_empty();
+        for place in reached {
+            self.light(place);
+        }
+        is_any
+    }
+}
+
+impl Contacts<'_> {
+    /// What rays from random places on a side of a patch meet, and where they start.
+    fn seen_from_side(&self, patch: u32, back: bool, rays: u32) -> Vec<(Vec3, Meeting)> {
+        let (shape, normal) = (&self.shapes[patch as usize], self.normal(patch, back));
+        let seed = patch.wrapping_mul(2) + u32::from(back);
+        let meeting = |ray: u32| {
+            let unit = |salt: u32| hash::unit(seed, ray.wrapping_mul(4) + salt);
+            let from = shape.point(Vec2::new(0.02 + 0.96 * unit(0), 0.02 + 0.96 * unit(1)));
+            let direction = cosine_direction(normal, Vec2::new(unit(2), unit(3)));
+            Some((from, self.meeting(from, direction, patch)?))
+        };
+        (0..rays).filter_map(meeting).collect()
+    }
+
+    /// What rays from a source meet.
+    fn seen_from(&self, source: Source) -> Vec<Meeting> {
+        match source {
+            Source::Lamp(patch, back) => {
+                let seen = self.seen_from_side(patch, back, LAMP_RAYS);
+                seen.into_iter().map(|(_, met)| met).collect()
+            }
+            Source::Point(from) => {
+                let meeting = |ray: u32| {
+                    let at = Vec2::new(hash::unit(ray, 2), hash::unit(ray, 1));
+                    self.meeting(from, sphere_direction(at), super::NONE)
+                };
+                (0..LAMP_RAYS * 8).filter_map(meeting).collect()
+            }
+            Source::Place(at, rays) => {
+                let normal = self.normal(at.patch, at.back);
+                let seed = at.point.to_array().map(f32::to_bits);
+                let seed = hash::mix(hash::mix(seed[0], seed[1]), seed[2]);
+                let meeting = |ray: u32| {
+                    let unit = |salt: u32| hash::unit(seed, ray.wrapping_mul(2) + salt);
+                    let direction = cosine_direction(normal, Vec2::new(unit(0), unit(1)));
+                    self.meeting(at.point, direction, at.patch)
+                };
+                (0..rays).filter_map(meeting).collect()
+            }
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Splitting of elements: 4:1 (§3.1), long ones in two.
 
+use super::exposed::Exposed;
 use super::{Element, Hierarchy, NONE, NodeId};
 use crate::geometry::Polygon;
 use glam::Vec3;
@@ -105,13 +106,21 @@ impl Hierarchy {
                     polygon,
                     shading,
                     level: parent.level + 1,
+                    exposed: if parent.is_touched {
+                        Exposed::ALL
+                    } else {
+                        parent.exposed
+                    },
                     ..parent
                 },
                 id,
             );
         }
+        // Until more is known, parts are as exposed as the whole.
+        let share = self.node(id).area / parent.polygon.vector_area().length();
         let per_area = self.node(id).reflecting_area / self.node(id).area;
         for child in &mut self.nodes[first as usize..] {
+            child.area *= share;
             child.reflecting_area = child.area * per_area;
         }
         let node = &mut self.nodes[id as usize];

@@ -76,7 +76,7 @@ pub(super) fn escape(
                 let node = hierarchy.node(id);
                 let element = &hierarchy.elements[node.element as usize];
                 let point = Vec2::new(u(0.856_674_9), u(0.733_891_9));
-                let from = element.polygon.point(point);
+                let from = element.point(point);
                 let direction = cosine_direction(element.normal, direction);
                 let mean = own / (PI * f64::from(node.area));
                 let light = exitant.towards(id, direction) / mean as f32;

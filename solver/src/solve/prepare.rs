@@ -4,6 +4,7 @@ use crate::brdf::Lobe;
 use crate::config::Settings;
 use crate::geometry::Polygon;
 use crate::hierarchy::coincident::{covered_sides, lamps_first, usable_sides};
+use crate::hierarchy::contact::{Contacts, Reach};
 use crate::hierarchy::patch::{Patch, merge};
 use crate::hierarchy::reach::{Side, lit_sides};
 use crate::normalise::Normalised;
@@ -31,6 +32,8 @@ pub struct Prepared {
     pub frame: Normalised,
     /// Patches of the surfaces that are not glass.
     pub patches: Vec<Patch>,
+    /// Which of their sides reflect or emit.
+    pub usable: Vec<[bool; 2]>,
     /// Which of their sides another patch in the same place hides.
     pub covered: Vec<[bool; 2]>,
     /// Which of their sides light can reach, and which emit.
@@ -97,21 +100,22 @@ impl Prepared {
             .collect();
         let glass: Vec<[Vec3; 3]> = clear.iter().map(corners).collect();
         let tree = PatchTree::new(&shapes, &glass);
-        let mut usable = usable_sides(&patches, &frame.materials);
-        let covered = covered_sides(&shapes, &usable);
-        for (usable, covered) in usable.iter_mut().zip(&covered) {
+        let usable = usable_sides(&patches, &frame.materials);
+        let covered = covered_sides(&tree, &shapes, &usable);
+        let mut seen = usable.clone();
+        for (seen, covered) in seen.iter_mut().zip(&covered) {
             for side in 0..2 {
-                usable[side] &= !covered[side];
+                seen[side] &= !covered[side];
             }
         }
-        let lit = lit_sides(
-            &frame.points,
-            &patches,
-            &frame.materials,
-            &frame.point_lights,
-            &occluders,
-            &usable,
-        );
+        let contacts = Contacts {
+            tree: &tree,
+            shapes: &shapes,
+            occluders: &occluders,
+            usable: &usable,
+        };
+        let (materials, lights) = (&frame.materials, &frame.point_lights);
+        let lit = lit_sides(&contacts, &patches, materials, lights, &seen);
         let diffuse = frame.materials.iter().map(|m| m.diffuse).collect();
         let even = |material: &Material| Emission {
             even: material.emission,
@@ -126,6 +130,7 @@ impl Prepared {
             shapes,
             frame,
             patches,
+            usable,
             covered,
             lit,
             occluders,
@@ -153,6 +158,20 @@ impl Prepared {
             lobes: &self.lobes,
             point_lights: &self.frame.point_lights,
             diffuse: &self.diffuse,
+            reach: self.reach(),
+        }
+    }
+
+    /// Where light can reach.
+    pub fn reach(&self) -> Reach<'_> {
+        Reach {
+            contacts: Contacts {
+                tree: &self.tree,
+                shapes: &self.shapes,
+                occluders: &self.occluders,
+                usable: &self.usable,
+            },
+            sides: &self.lit,
         }
     }
 }

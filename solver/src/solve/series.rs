@@ -5,7 +5,8 @@ use crate::hierarchy::{Hierarchy, NodeId};
 use crate::transport::exitant::Exitant;
 use glam::DVec3;
 
-/// The factor per channel that makes the light `received` what of the light `sent` did not escape. A difference within
+/// The factor per channel that makes the light `received` what of the light `sent` neither escaped nor stayed in clear
+/// glass. A difference within
 /// three standard deviations of what is known to escape is none.
 ///
 /// Links are right to a few tenths of a per cent: where surfaces take less than that, as in closed rooms with
@@ -14,7 +15,7 @@ pub(super) fn conserving(sent: DVec3, escape: &Escape, received: DVec3) -> DVec3
     /// Links that are wrong by more have another fault, which no factor mends.
     const MOST: f64 = 0.1;
     let of_channel = |c: usize| {
-        let kept = sent[c] * (1.0 - escape.share[c]);
+        let kept = sent[c] * (1.0 - escape.share[c] - escape.in_glass[c]);
         if received[c] <= 0.0 || (kept - received[c]).abs() <= 3.0 * escape.deviation[c] * sent[c] {
             return 1.0;
         }

@@ -132,12 +132,13 @@ pub(crate) struct Shooting<'a> {
 impl<'a> Shooting<'a> {
     fn new(prepared: &'a Prepared, settings: &'a Settings) -> Self {
         let started = Instant::now();
-        let hierarchy = Hierarchy::new(
+        let mut hierarchy = Hierarchy::new(
             prepared.frame.points.clone(),
             prepared.patches.clone(),
             &prepared.frame.materials,
             &prepared.lit,
         );
+        prepared.reach().expose(&mut hierarchy, 0);
         let mut stats = Stats::default();
         stats.scene.patches = hierarchy.elements.len() as u64;
         let glossy = |e: &&crate::hierarchy::Element| prepared.lobes[e.material as usize].is_some();
@@ -194,7 +195,7 @@ impl<'a> Shooting<'a> {
             self.check_finite(iteration)?;
 
             let stopped = watch.is_stopped();
-            let correction = if stopped || !self.prepared.glass.is_empty() {
+            let correction = if stopped {
                 DVec3::ONE
             } else {
                 conserving(sent, &escape, reflected.received)
@@ -359,7 +360,9 @@ impl<'a> Shooting<'a> {
                     } else {
                         Emission::default()
                     };
-                    if field.is_empty() && emission == Emission::default() {
+                    // What light cannot reach has its share of what larger parts received; it is next to nothing.
+                    let is_dark = field.is_empty() || element.exposed.is_none();
+                    if is_dark && emission == Emission::default() {
                         return Reflected::default();
                     }
                     let surface = Surface {
@@ -376,7 +379,7 @@ impl<'a> Shooting<'a> {
                 },
             )
             .collect();
-        let mut exitant = Exitant::dark(hierarchy.nodes.len());
+        let mut exitant = Exitant::dark(hierarchy);
         let mut irradiance = vec![Rgb::BLACK; hierarchy.nodes.len()];
         let mut ledger = Ledger::default();
         for (&id, reflected) in leaves.iter().zip(reflected) {

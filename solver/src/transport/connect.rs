@@ -144,15 +144,17 @@ impl Propagation<'_> {
         if whole <= 0.0 {
             return Some(false);
         }
-        let mut share = visible(receiver.centre)?.length() / whole;
+        // What light cannot reach is dark and not seen.
+        let mut share =
+            visible(receiver.centre)?.length() / (whole * sender.exposed_share(self.exitant));
         let distance = receiver.centre.distance(sender.centre);
         if receiver.radius + sender.radius >= SHIFTED * distance {
             // Its near half counts most.
             share = share.min(0.5);
         }
-        let strength = whole * self.exitant.power[id as usize] / sender.node_area
+        let strength = whole * self.exitant.power[id as usize] / self.exitant.area[id as usize]
             * std::f32::consts::FRAC_1_PI;
-        let uneven = self.exitant.unevenness(id, sender.node_area, share);
+        let uneven = self.exitant.unevenness(id, share);
         Some(strength * uneven > UNEVEN * link.limit)
     }
 

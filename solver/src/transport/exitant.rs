@@ -18,14 +18,18 @@ pub struct Exitant {
     pub power: Vec<f32>,
     /// Largest exitance of a leaf of an element [mean over channels, W·m⁻²]; zero for clusters.
     pub brightest: Vec<f32>,
+    /// Area of what light can reach of the node, which refinement tells better later on.
+    pub area: Vec<f32>,
     /// Where the light leaves: the mean of the centres of its leaves, weighted by power.
     pub centre: Vec<Vec3>,
 }
 
 impl Exitant {
-    /// No light for `count` nodes.
-    pub fn dark(count: usize) -> Self {
+    /// No light from the nodes of `hierarchy`.
+    pub fn dark(hierarchy: &Hierarchy) -> Self {
+        let count = hierarchy.nodes.len();
         Self {
+            area: hierarchy.nodes.iter().map(|node| node.area).collect(),
             diffuse: vec![Rgb::BLACK; count],
             distribution: vec![None; count],
             peak: vec![0.0; count],
@@ -84,17 +88,18 @@ impl Exitant {
         )
     }
 
-    /// How wrong the mean radiance of an element of `area` may be for the `share` of it that is seen, as a share of
+    /// How wrong the mean radiance of an element may be for the `share` of it that is seen, as a share of
     /// what all of it sends: what stands on a surface hides it just where it is dark.
-    pub fn unevenness(&self, id: NodeId, area: f32, share: f32) -> f32 {
+    pub fn unevenness(&self, id: NodeId, share: f32) -> f32 {
         let (seen, hidden) = (share.min(1.0), (1.0 - share).max(0.0));
         // All light in one part, or no part brighter than the brightest.
         seen.max(hidden)
-            .min(self.brightest_excess(id, area) * seen.min(hidden))
+            .min(self.brightest_excess(id) * seen.min(hidden))
     }
 
-    /// By what share of its mean the brightest part of an element of `area` is brighter than that.
-    pub fn brightest_excess(&self, id: NodeId, area: f32) -> f32 {
+    /// By what share of its mean the brightest part of an element is brighter than that.
+    pub fn brightest_excess(&self, id: NodeId) -> f32 {
+        let area = self.area[id as usize];
         let (power, most) = (self.power[id as usize], self.brightest[id as usize] * area);
         if power > 0.0 {
             (most / power - 1.0).max(0.0)
@@ -126,6 +131,6 @@ impl Exitant {
             .flatten()
             .map(|d| size_of_val::<[u32]>(d))
             .sum::<usize>()
-            + self.len() * 52
+            + self.len() * 56
     }
 }

@@ -165,8 +165,9 @@ impl Gather<'_> {
                         let above = target.vector();
                         let whole = Cone::new(polygon, receiver.centre).vector_irradiance();
                         let (above_length, whole_length) = (above.length(), whole.length());
-                        let share = visible.length() / whole_length;
-                        let uneven = self.exitant.unevenness(id.node, sender.node_area, share);
+                        let exposed = whole_length * sender.exposed_share(self.exitant);
+                        let share = visible.length() / exposed;
+                        let uneven = self.exitant.unevenness(id.node, share);
                         if can_refine
                             && hierarchy.has_children_among(id.node, self.node_count)
                             && strength * whole_length * uneven > UNEVEN * limit * above_length
@@ -257,7 +258,7 @@ impl Gather<'_> {
         if is_cluster {
             share = CLUSTER * (share + across * across);
         } else if hierarchy.has_children_among(id, self.node_count) {
-            let uneven = self.exitant.brightest_excess(id, sender.node_area);
+            let uneven = self.exitant.brightest_excess(id);
             share += PARTS * uneven.min(1.0) * (2.0 * across).min(1.0);
         }
         if has_gloss {

@@ -2,6 +2,7 @@
 //! is near. Without visibility; only ratios of it are used.
 
 use crate::geometry::Polygon;
+use crate::hierarchy::exposed::Exposed;
 use crate::transport::link::{Receiver, Sender};
 use glam::Vec3;
 
@@ -48,7 +49,7 @@ pub(super) fn transfer(sender: &Sender, receiver: &Receiver, kernel: Kernel) -> 
             return at(receiver.centre);
         }
         let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-        over_receiver(shape, is_close(receiver, sender), |point| {
+        receiver.points(shape, is_close(receiver, sender), |point| {
             sum += at(point);
             count += 1.0;
         });
@@ -57,7 +58,7 @@ pub(super) fn transfer(sender: &Sender, receiver: &Receiver, kernel: Kernel) -> 
     match &sender.polygon {
         None => mean(&|point| from_point(sender, point)),
         Some(_) if kernel == Kernel::Point => mean(&|point| from_point(sender, point)),
-        Some(polygon) if is_reciprocal(receiver, sender) => {
+        Some(polygon) if is_reciprocal(receiver, sender) && receiver.exposed == Exposed::ALL => {
             let mut sum = Vec3::ZERO;
             let mut count = 0.0;
             polygon.quadrature(|point| {

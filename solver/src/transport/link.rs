@@ -4,9 +4,11 @@
 //! receiver, Emin ≤ E ≤ Emax follows for every point of the receiver.
 
 use crate::geometry::Polygon;
+use crate::hierarchy::exposed::Exposed;
 use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::transport::exitant::Exitant;
-use glam::Vec3;
+use crate::transport::kernel::over_receiver;
+use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// Subdivisions of a sender below its own leaf that a link may name.
@@ -55,8 +57,8 @@ pub struct Sender {
     pub normal: Vec3,
     /// Area of an element or a part.
     pub area: f32,
-    /// Area of the whole node.
-    pub node_area: f32,
+    /// Share of the whole node.
+    pub share: f32,
     /// Centre.
     pub centre: Vec3,
     /// Radius around it.
@@ -78,7 +80,7 @@ impl Sender {
             polygon: None,
             normal: Vec3::ZERO,
             area: node.area,
-            node_area: node.area,
+            share: 1.0,
             centre: node.centre,
             radius: node.radius,
             lower: node.lower,
@@ -87,13 +89,15 @@ impl Sender {
         };
         if let Some(element) = hierarchy.element_of(id.node) {
             let mut polygon = element.polygon;
+            sender.area = polygon.vector_area().length();
             for level in 0..id.depth {
                 polygon = polygon.child(usize::from(id.path >> (2 * level) & 3));
             }
             if id.depth > 0 {
                 sender.centre = polygon.centre();
                 sender.radius = polygon.radius();
-                sender.area = polygon.vector_area().length();
+                let area = polygon.vector_area().length();
+                (sender.area, sender.share) = (area, area / sender.area);
                 (sender.lower, sender.upper) = bounds_of(polygon.corners());
             }
             sender.polygon = Some(polygon);
@@ -122,6 +126,15 @@ impl Sender {
                     ..self.id
                 });
             }
+        }
+    }
+
+    /// Share of its area that light can reach.
+    pub fn exposed_share(&self, exitant: &Exitant) -> f32 {
+        if self.polygon.is_some() && self.id.is_whole() {
+            exitant.area[self.id.node as usize] / self.area
+        } else {
+            1.0
         }
     }
 
@@ -160,6 +173,8 @@ pub struct Receiver {
     pub normal: Option<Vec3>,
     /// The patch whose surface does not block: of an element or a vertex.
     pub patch: u32,
+    /// Which part of an element light can reach.
+    pub exposed: Exposed,
 }
 
 impl Receiver {
@@ -175,6 +190,7 @@ impl Receiver {
             polygon: element.map(|e| e.polygon),
             normal: element.map(|e| e.normal),
             patch: element.map_or(NONE, |e| e.patch),
+            exposed: element.map_or(Exposed::ALL, |e| e.exposed),
         }
     }
 
@@ -188,6 +204,25 @@ impl Receiver {
             polygon: None,
             normal: Some(normal),
             patch,
+            exposed: Exposed::ALL,
+        }
+    }
+
+    /// Visits points of its polygon that light can reach and whose mean stands for it: many when the sender is close.
+    pub(super) fn points(&self, shape: &Polygon, is_close: bool, mut visit: impl FnMut(Vec3)) {
+        if self.exposed == Exposed::ALL {
+            over_receiver(shape, is_close, visit);
+            return;
+        }
+        let mut is_any = false;
+        over_receiver(shape, is_close, |point| {
+            if let Some(uv) = self.exposed.nearest(shape.uv(point)) {
+                is_any = true;
+                visit(shape.point(uv));
+            }
+        });
+        if !is_any {
+            visit(shape.point(self.exposed.point(Vec2::splat(0.5))));
         }
     }
 }

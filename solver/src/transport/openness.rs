@@ -101,7 +101,7 @@ fn shares(hierarchy: &Hierarchy, occluders: &Occluders, element: &Element) -> Ve
     for ray in 0..RAYS {
         let seed = hash::mix(element.node, ray);
         let at = Vec2::new(hash::unit(seed, 0), hash::unit(seed, 1));
-        let from = element.polygon.point(at);
+        let from = element.point(at);
         let direction = sampling::cosine_direction(element.normal, sampling::spread(ray));
         let hit = occluders.first_hit(from, direction, element.patch);
         let reached = hit.map_or(f32::INFINITY, |hit| hit.distance);

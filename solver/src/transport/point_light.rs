@@ -42,7 +42,10 @@ impl Propagation<'_> {
         for ray in 0..side * side {
             let (x, y) = ((ray % side) as f32 + 0.5, (ray / side) as f32 + 0.5);
             let from = match &receiver.polygon {
-                Some(polygon) => polygon.point(Vec2::new(x, y) / side as f32),
+                Some(polygon) => {
+                    let at = Vec2::new(x, y) / side as f32;
+                    polygon.point(receiver.exposed.point(at))
+                }
                 None => receiver.centre,
             };
             let passed =

@@ -6,6 +6,7 @@
 
 use crate::brdf::Lobe;
 use crate::geometry::Polygon;
+use crate::hierarchy::contact::Reach;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::connect::{Connection, Link};
@@ -36,6 +37,8 @@ pub struct Environment<'a> {
     pub point_lights: &'a [(Vec3, Rgb)],
     /// Diffuse reflectance per material.
     pub diffuse: &'a [Rgb],
+    /// Where light can reach.
+    pub reach: Reach<'a>,
 }
 
 /// When a link is good enough.
@@ -212,6 +215,7 @@ impl Propagation<'_> {
         let mut front: Vec<(NodeId, Arc<[SenderId]>)> = vec![(0, first)];
         while !front.is_empty() {
             let mut next = Vec::new();
+            let known = hierarchy.elements.len();
             for batch in front.chunks(BATCH) {
                 let shared = &*hierarchy;
                 let outcomes: Vec<Outcome> = batch
@@ -243,6 +247,7 @@ impl Propagation<'_> {
                     return stats;
                 }
             }
+            self.environment.reach.expose(hierarchy, known);
             front = next;
         }
         stats

@@ -26,7 +26,11 @@ impl Rays<'_> {
     /// What `side`² rays find.
     pub(super) fn strata(&self, side: u32, stats: &mut LinkStats) -> Passage {
         let seed = hash::mix(self.sender.id.node, self.receiver_node);
-        let mut passage = Passage::default();
+        // Rays end on what light can reach of a sender, its form factor is that of all of it.
+        let mut passage = Passage {
+            share: self.sender.exposed_share(self.exitant),
+            ..Passage::default()
+        };
         let all = side * side;
         for ray in 0..all {
             let at = |i: u32, salt: u32| {
@@ -85,7 +89,7 @@ impl Rays<'_> {
         if self.exitant.distribution[at].is_none() || self.exitant.power[at] <= 0.0 {
             return 1.0;
         }
-        let mean = self.exitant.power[at] / (PI * self.hierarchy.node(id).area);
+        let mean = self.exitant.power[at] / (PI * self.exitant.area[at]);
         self.exitant.towards(id, direction).mean() / mean
     }
 
@@ -109,7 +113,7 @@ impl Rays<'_> {
     fn point_of_receiver(&self, uv: Vec2) -> Option<RayEnd> {
         Some(RayEnd {
             point: match &self.receiver.polygon {
-                Some(polygon) => polygon.point(uv),
+                Some(polygon) => polygon.point(self.receiver.exposed.point(uv)),
                 None => self.receiver.centre,
             },
             node: self.receiver_node,
@@ -131,6 +135,9 @@ impl Rays<'_> {
                 polygon = self.hierarchy.element_of(child)?.polygon;
                 (id, salt) = (child, salt + 1);
             }
+            let is_part = !self.sender.id.is_whole();
+            let exposed = self.hierarchy.element_of(id).filter(|_| !is_part);
+            let uv = exposed.map_or(uv, |element| element.exposed.point(uv));
             return Some(RayEnd {
                 point: polygon.point(uv),
                 node: id,
@@ -175,7 +182,7 @@ impl Rays<'_> {
             }
             let element = self.hierarchy.element_of(id)?;
             let uv = Vec2::new(hash::unit(seed, salt + 30), hash::unit(seed, salt + 31));
-            let point = element.polygon.point(uv);
+            let point = element.point(uv);
             ((seen_from - point).dot(element.normal) > 0.0).then_some(RayEnd {
                 point,
                 node: id,
@@ -189,6 +196,8 @@ impl Rays<'_> {
 /// What rays between two ends found.
 #[derive(Default)]
 pub(super) struct Passage {
+    /// What light can reach of the sender.
+    share: f32,
     mean: RatioMean,
     /// The same without the directions of the sender's radiance.
     plain: RatioMean,
@@ -201,7 +210,7 @@ impl Passage {
     /// there.
     pub(super) fn transmittance(&self) -> Rgb {
         let mean = self.mean.get().or_else(|| self.plain.get());
-        mean.unwrap_or(Rgb::BLACK)
+        mean.unwrap_or(Rgb::BLACK) * self.share
     }
 
     /// True when rays differ.

@@ -54,6 +54,19 @@ impl PatchTree {
     /// Visits every patch whose box reaches into or touches `region`, and some others. False when `visit` stopped it,
     /// or when there is glass.
     pub(crate) fn visit(&self, region: &Region<'_>, mut visit: impl FnMut(u32) -> bool) -> bool {
+        self.search(region, |found| found < self.patch_count && visit(found))
+    }
+
+    /// The same whatever glass there is.
+    pub(crate) fn visit_patches(
+        &self,
+        region: &Region<'_>,
+        mut visit: impl FnMut(u32) -> bool,
+    ) -> bool {
+        self.search(region, |found| found >= self.patch_count || visit(found))
+    }
+
+    fn search(&self, region: &Region<'_>, mut visit: impl FnMut(u32) -> bool) -> bool {
         if self.bvh.nodes.is_empty() {
             return true;
         }
@@ -73,7 +86,7 @@ impl PatchTree {
                     let (first, length) = node.child_primitives(child);
                     let found = first as usize..(first + length) as usize;
                     for &patch in &self.bvh.primitive_indices[found] {
-                        if patch >= self.patch_count || !visit(patch) {
+                        if !visit(patch) {
                             return false;
                         }
                     }

@@ -1,10 +1,11 @@
 //! The illumination sample of a link as if nothing stood between its ends.
 
 use crate::geometry::Polygon;
+use crate::hierarchy::exposed::Exposed;
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, Parallax};
-use crate::transport::kernel::{Kernel, is_close, is_reciprocal, over_receiver, transfer};
+use crate::transport::kernel::{Kernel, is_close, is_reciprocal, transfer};
 use crate::transport::link::{Receiver, Sender};
 use crate::transport::sent::{mean_radiance, most_sent};
 use glam::Vec3;
@@ -170,11 +171,15 @@ fn sample(
         (Some(receiving), Some(sending), Some(normal))
             if !directional
                 && is_reciprocal(receiver, sender)
-                && view.is_none_or(|view| view.of_receiver.is_some()) =>
+                && view.map_or(receiver.exposed == Exposed::ALL, |view| {
+                    view.of_receiver.is_some()
+                }) =>
         {
             // The mean over the receiver by what a smaller sender sees of it: A_s F_sr = A_r F_rs.
             let per_area = sender.area / receiving.vector_area().length();
             let sent = from_one_point(receiver.centre).1;
+            // What is seen lies on what light can reach.
+            let per_exposed = 1.0 / receiver.exposed.share();
             sending.quadrature(|point| {
                 points += 1;
                 let whole = receiving.vector_irradiance(point, Some(sender.normal));
@@ -196,6 +201,9 @@ fn sample(
                     let seen = part / strength;
                     share = (share.0.min(seen), share.1.max(2.0 * seen.min(1.0 - seen)));
                 }
+                if view.is_some() {
+                    part *= per_exposed;
+                }
                 let cosine = direction.dot(normal);
                 if part > 0.0 && cosine > 0.0 {
                     sum += direction * (part / cosine);
@@ -209,7 +217,7 @@ fn sample(
             if sine < 0.1 && view.is_none() {
                 from_point(receiving.centre());
             } else {
-                over_receiver(receiving, is_close(receiver, sender), from_point);
+                receiver.points(receiving, is_close(receiver, sender), from_point);
             }
         }
     }

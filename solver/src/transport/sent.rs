@@ -30,7 +30,7 @@ pub(super) fn mean_radiance(receiver: &Receiver, sender: &Sender, exitant: &Exit
     let (Some(sending), true) = (&sender.polygon, receiver.radius > 0.0) else {
         return in_the_middle();
     };
-    let mean = exitant.power[id as usize] / (PI * sender.node_area);
+    let mean = exitant.power[id as usize] / (PI * exitant.area[id as usize]);
     let sharpness = exitant.peak[id as usize] / mean;
     let wanted = |reach: f32, squared: f32| PAIRS * sharpness * (reach * reach / squared).min(1.0);
     let pairs = wanted(receiver.radius + sender.radius, offset.length_squared());
@@ -110,7 +110,7 @@ pub(super) fn most_sent(
 ) -> Option<f32> {
     let node = sender.id.node as usize;
     exitant.distribution[node].as_ref()?;
-    let power = exitant.power[node] * (sender.area / sender.node_area);
+    let power = exitant.power[node] * sender.share;
     let area = match (&receiver.polygon, &sender.polygon) {
         (Some(shape), _) => shape.vector_area().length(),
         // A cluster's cross-section.

@@ -6,10 +6,11 @@
 //! Cost: a few rays per pair.
 
 use crate::geometry::{hash, sampling};
-use crate::hierarchy::{Hierarchy, NONE, NodeId};
+use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::{Receiver, Sender};
 use crate::transport::propagate::{LinkStats, Propagation};
+use crate::transport::visibility::Hit;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -41,28 +42,18 @@ impl Propagation<'_> {
         let (hierarchy, sender) = (pair.hierarchy, pair.sender);
         let id = sender.id.node;
         let seed = hash::mix(hash::mix(id, pair.receiver_node), sender.id.hash());
-        let power = self.exitant.power[id as usize] * (sender.area / sender.node_area);
+        let power = self.exitant.power[id as usize] * sender.share;
         let rays =
             (MOST_RAYS * power / self.accuracy.tolerance).clamp(LEAST_RAYS, MOST_RAYS) as u32;
         for ray in 0..rays {
             let seed = hash::mix(seed, ray);
-            let unit = |salt: u32| hash::unit(seed, salt);
             let Some(source) = self.pick(hierarchy, id, seed) else {
                 continue;
             };
             let Some(element) = hierarchy.element_of(source) else {
                 continue;
             };
-            let polygon = match sender.polygon {
-                Some(part) => part,
-                None => element.polygon,
-            };
-            let from = polygon.point(Vec2::new(unit(60), unit(61)));
-            let direction =
-                sampling::cosine_direction(element.normal, Vec2::new(unit(62), unit(63)));
-            stats.rays += 1;
-            let occluders = self.environment.occluders;
-            let Some(hit) = occluders.first_hit(from, direction, element.patch) else {
+            let Some((from, direction, hit)) = self.ray(pair, element, seed, stats) else {
                 continue;
             };
             let met = hierarchy.whole(hit.patch, hit.back);
@@ -71,7 +62,8 @@ impl Propagation<'_> {
                 continue;
             };
             // Radiance over its mean over the cosine-weighted hemisphere.
-            let mean = self.exitant.power[source as usize] / (PI * hierarchy.node(source).area);
+            let mean =
+                self.exitant.power[source as usize] / (PI * self.exitant.area[source as usize]);
             let radiance = self.exitant.towards(source, direction);
             let carried = radiance * (power / (rays as f32 * mean));
             if carried.is_black() {
@@ -101,6 +93,33 @@ impl Propagation<'_> {
                 ));
             }
         }
+    }
+
+    /// A ray from what light can reach of a sender, and what it meets. Cells of what is exposed are coarse: places that
+    /// see the inside of something closed are passed over.
+    fn ray(
+        &self,
+        pair: &Pair<'_>,
+        element: &Element,
+        seed: u32,
+        stats: &mut LinkStats,
+    ) -> Option<(Vec3, Vec3, Hit)> {
+        const TRIES: u32 = 4;
+        let part = pair.sender.polygon.filter(|_| !pair.sender.id.is_whole());
+        for attempt in 0..TRIES {
+            let unit = |salt: u32| hash::unit(seed, salt + 4 * attempt);
+            let at = Vec2::new(unit(60), unit(61));
+            let from = part.map_or_else(|| element.point(at), |part| part.point(at));
+            let direction =
+                sampling::cosine_direction(element.normal, Vec2::new(unit(62), unit(63)));
+            stats.rays += 1;
+            let occluders = self.environment.occluders;
+            let hit = occluders.first_hit(from, direction, element.patch)?;
+            if pair.hierarchy.whole(hit.patch, hit.back) != NONE {
+                return Some((from, direction, hit));
+            }
+        }
+        None
     }
 
     /// An element below `id` that sends, in proportion to its power.
