@@ -10,7 +10,22 @@ pub mod program;
 pub mod scenes;
 pub mod shared;
 
+use sheen_solver::{Observer, Progress};
 use std::fmt::Display;
+use std::ops::ControlFlow;
+
+/// Stops a solve when light transport is done: nothing is gathered at vertices.
+pub struct TransportOnly;
+
+impl Observer for TransportOnly {
+    fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
+        if progress.phase == "light at vertices" {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
 
 /// Panics unless `found` is within `relative` of `expected`; the message holds both and the error.
 ///

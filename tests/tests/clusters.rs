@@ -5,10 +5,9 @@
 use sheen_solver::config::{Quality, Settings};
 use sheen_solver::solve::{Prepared, first_links};
 use sheen_solver::transport::link::Sender;
-use sheen_solver::{Observer, Progress, SolveConfig, solve};
-use sheen_tests::scenes;
+use sheen_solver::{SolveConfig, solve};
+use sheen_tests::{TransportOnly, scenes};
 use std::collections::HashSet;
-use std::ops::ControlFlow;
 
 /// At most 5 % of all pairs of patches.
 const SHARE: f64 = 0.05;
@@ -43,19 +42,6 @@ fn pairs_of_the_cafe_that_emitters_are_linked_with() {
     // Harder than of all pairs: of the pairs whose sender emits.
     assert!(share < SHARE, "{share}");
     assert!(links.records.len() > 1000);
-}
-
-/// Stops a solve as soon as its light transport is done: vertices are not gathered.
-struct TransportOnly;
-
-impl Observer for TransportOnly {
-    fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
-        if progress.phase == "light transport" {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
-    }
 }
 
 #[test]

@@ -4,29 +4,16 @@
 
 use glam::Vec3;
 use sheen_solver::config::Settings;
-use sheen_solver::hierarchy::Hierarchy;
 use sheen_solver::solve::Prepared;
-use sheen_solver::{Observer, Progress, Quality, Scene, SolveConfig, solve};
+use sheen_solver::{Quality, Scene, SolveConfig, solve};
+use sheen_tests::TransportOnly;
 use sheen_tests::scenes::Builder;
-use std::ops::ControlFlow;
 
 /// What the links of a pass lose or find of the light that one surface sends through a room of black ones.
 const LOST: f64 = 0.003;
 
 /// A cell of what is exposed is this share of the side of an element: areas are known to half of one.
 const CELL: f32 = 1.0 / 8.0;
-
-struct TransportOnly;
-
-impl Observer for TransportOnly {
-    fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
-        if progress.phase == "light at vertices" {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    }
-}
 
 /// Five faces of a box, whose inside is open below, or above.
 fn open_box(builder: &mut Builder, low: Vec3, high: Vec3, is_open_above: bool, material: u32) {
@@ -106,13 +93,7 @@ fn what_a_box_stands_on_is_not_exposed() {
     ] {
         let scene = room("ceiling", low, high);
         let prepared = Prepared::new(&scene, &Settings::of(Quality::DEFAULT));
-        let mut hierarchy = Hierarchy::new(
-            prepared.frame.points.clone(),
-            prepared.patches.clone(),
-            &prepared.frame.materials,
-            &prepared.lit,
-        );
-        prepared.reach().expose(&mut hierarchy, 0);
+        let hierarchy = prepared.hierarchy();
         hierarchy.assert_well_formed();
         let whole = |name: &str| {
             let is_it = |e: &&sheen_solver::hierarchy::Element| {

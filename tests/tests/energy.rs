@@ -3,12 +3,11 @@
 #![allow(clippy::print_stdout, reason = "figures are read from the output")]
 
 use sheen_solver::config::{Quality, Settings};
-use sheen_solver::{Observer, Progress, Scene, Solution, SolveConfig, solve};
+use sheen_solver::{Scene, Solution, SolveConfig, solve};
 use sheen_tests::measure::{area, front_triangles, mean_of_corners};
 use sheen_tests::shared::shared;
-use sheen_tests::{assert_close, scenes};
+use sheen_tests::{TransportOnly, assert_close, scenes};
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 /// Emitted power is absorbed, unshot or escaped to 0.5 %.
 const LEDGER: f64 = 0.005;
@@ -19,19 +18,6 @@ const FURNISHED: f64 = 0.01;
 
 /// Escape rays may start within rounding of an edge where two faces meet, and slip through it.
 const SLIPPED: f64 = 5e-5;
-
-/// Stops a solve when light transport is done.
-struct TransportOnly;
-
-impl Observer for TransportOnly {
-    fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
-        if progress.phase == "light at vertices" {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    }
-}
 
 /// Solves, and adds to `faults` where the ledger does not close.
 fn check(name: &str, scene: &Scene, faults: &mut Vec<String>) -> Solution {

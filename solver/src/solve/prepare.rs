@@ -3,6 +3,7 @@
 use crate::brdf::Lobe;
 use crate::config::Settings;
 use crate::geometry::Polygon;
+use crate::hierarchy::Hierarchy;
 use crate::hierarchy::coincident::{covered_sides, lamps_first, usable_sides};
 use crate::hierarchy::contact::{Contacts, Reach};
 use crate::hierarchy::patch::{Patch, merge};
@@ -160,6 +161,18 @@ impl Prepared {
             diffuse: &self.diffuse,
             reach: self.reach(),
         }
+    }
+
+    /// Clusters and patches, and what light can reach of them; no element is subdivided yet.
+    pub fn hierarchy(&self) -> Hierarchy {
+        let mut hierarchy = Hierarchy::new(
+            self.frame.points.clone(),
+            self.patches.clone(),
+            &self.frame.materials,
+            &self.lit,
+        );
+        self.reach().expose(&mut hierarchy, 0);
+        hierarchy
     }
 
     /// Where light can reach.

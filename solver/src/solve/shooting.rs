@@ -132,13 +132,7 @@ pub(crate) struct Shooting<'a> {
 impl<'a> Shooting<'a> {
     fn new(prepared: &'a Prepared, settings: &'a Settings) -> Self {
         let started = Instant::now();
-        let mut hierarchy = Hierarchy::new(
-            prepared.frame.points.clone(),
-            prepared.patches.clone(),
-            &prepared.frame.materials,
-            &prepared.lit,
-        );
-        prepared.reach().expose(&mut hierarchy, 0);
+        let hierarchy = prepared.hierarchy();
         let mut stats = Stats::default();
         stats.scene.patches = hierarchy.elements.len() as u64;
         let glossy = |e: &&crate::hierarchy::Element| prepared.lobes[e.material as usize].is_some();
