@@ -12,7 +12,8 @@ pub mod solution;
 pub use error::FormatError;
 
 use error::list;
-use sheen_solver::{Gloss, Material, Scene, SceneError, SceneParts};
+use sheen_solver::brdf::is_widened;
+use sheen_solver::{Gloss, Material, Scene, SceneError, SceneParts, Triangle};
 use sidecar::Sidecar;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -144,22 +145,46 @@ impl Places {
     }
 }
 
-/// Says what the method makes of things that it cannot represent, and what is missing.
-fn note_meaning(parts: &SceneParts, notes: &mut Vec<String>) {
-    let mut used = vec![false; parts.materials.len()];
-    for triangle in &parts.triangles {
+/// Materials that a triangle has.
+fn used<'a>(materials: &'a [Material], triangles: &[Triangle]) -> Vec<&'a Material> {
+    let mut used = vec![false; materials.len()];
+    for triangle in triangles {
         if let Some(used) = used.get_mut(triangle.material as usize) {
             *used = true;
         }
     }
-    let named = |which: fn(&Material) -> bool| -> Vec<&str> {
-        let materials = parts.materials.iter().zip(&used);
-        materials
-            .filter(|(m, used)| **used && which(m))
-            .map(|(m, _)| m.name.as_str())
-            .collect()
-    };
-    let mirrors = named(|m| m.is_glossy() && matches!(m.gloss, Gloss::Ward { roughness: 0.0, .. }));
+    let both = materials.iter().zip(used);
+    both.filter(|(_, used)| *used).map(|(m, _)| m).collect()
+}
+
+/// Names of those `materials` that are so.
+fn named<'a>(materials: &[&'a Material], which: impl Fn(&Material) -> bool) -> Vec<&'a str> {
+    let those = materials.iter().filter(|m| which(m));
+    those.map(|m| m.name.as_str()).collect()
+}
+
+fn is_mirror(material: &Material) -> bool {
+    material.is_glossy() && matches!(material.gloss, Gloss::Ward { roughness: 0.0, .. })
+}
+
+/// One line about the lobes of `scene` that a solve widens to the Ward roughness `sharpest`, if there are any. Of mirrors
+/// [`load_scene`] says so.
+pub fn note_widened(scene: &Scene, sharpest: f32) -> Option<String> {
+    let used = used(scene.materials(), scene.triangles());
+    let widened = named(&used, |m| is_widened(m, sharpest) && !is_mirror(m));
+    (!widened.is_empty()).then(|| {
+        let names = list(widened);
+        format!(
+            "lobes sharper than this quality resolves become Ward roughness {sharpest:.3}: {names}"
+        )
+    })
+}
+
+/// Says what the method makes of things that it cannot represent, and what is missing.
+fn note_meaning(parts: &SceneParts, notes: &mut Vec<String>) {
+    let used = used(&parts.materials, &parts.triangles);
+    let named = |which: fn(&Material) -> bool| named(&used, which);
+    let mirrors = named(is_mirror);
     if !mirrors.is_empty() {
         let names = list(mirrors.iter().copied());
         notes.push(format!(

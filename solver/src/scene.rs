@@ -441,16 +441,10 @@ pub fn check_camera(camera: &Camera) -> Result<(), SceneError> {
     if !(camera.eye.is_finite() && camera.target.is_finite() && camera.up.is_finite()) {
         return fault("eye, target and up must be finite");
     }
-    let view = camera.target - camera.eye;
-    if view.length_squared() == 0.0 {
+    if camera.eye == camera.target {
         return fault("eye and target are the same point");
     }
-    if view
-        .normalize()
-        .cross(camera.up.normalize_or_zero())
-        .length_squared()
-        == 0.0
-    {
+    if looks_along_up(camera) {
         return fault("up is parallel to the view or zero");
     }
     if !(camera.fov_y_degrees > 0.0 && camera.fov_y_degrees < 180.0) {
@@ -460,4 +454,12 @@ pub fn check_camera(camera: &Camera) -> Result<(), SceneError> {
         return fault("width and height must be within 1..16384 pixels");
     }
     Ok(())
+}
+
+/// True for a camera whose `up` is parallel to its view or zero: roundings alone would say what is up.
+pub fn looks_along_up(camera: &Camera) -> bool {
+    let view = camera.target.as_dvec3() - camera.eye.as_dvec3();
+    let up = camera.up.as_dvec3().normalize_or_zero();
+    let sine = view.normalize_or_zero().cross(up).length();
+    sine <= f64::from(f32::EPSILON)
 }

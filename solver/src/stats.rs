@@ -36,6 +36,8 @@ pub struct SolveStats {
     pub cpu_s: f64,
     /// Reflections that were followed.
     pub iterations: u64,
+    /// Power that surfaces sent on after each of them [W].
+    pub reflected_w: Vec<f64>,
     /// Elements of the hierarchy, inner ones and leaves.
     pub elements: u64,
     /// Elements without children.

@@ -14,16 +14,26 @@ use sheen_solver::{Observer, Progress};
 use std::fmt::Display;
 use std::ops::ControlFlow;
 
-/// Stops a solve when light transport is done: nothing is gathered at vertices.
-pub struct TransportOnly;
+/// Stops a solve at a report of a phase: how many come before it, and the phase.
+pub struct UntilReport(pub u32, pub &'static str);
 
-impl Observer for TransportOnly {
+impl UntilReport {
+    /// When light transport is done: nothing is gathered at vertices.
+    pub fn transport_is_done() -> Self {
+        Self(0, "light at vertices")
+    }
+}
+
+impl Observer for UntilReport {
     fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
-        if progress.phase == "light at vertices" {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
+        if progress.phase != self.1 {
+            return ControlFlow::Continue(());
         }
+        if self.0 == 0 {
+            return ControlFlow::Break(());
+        }
+        self.0 -= 1;
+        ControlFlow::Continue(())
     }
 }
 

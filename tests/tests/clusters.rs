@@ -6,7 +6,7 @@ use sheen_solver::config::{Quality, Settings};
 use sheen_solver::solve::{Prepared, first_links};
 use sheen_solver::transport::link::Sender;
 use sheen_solver::{SolveConfig, solve};
-use sheen_tests::{TransportOnly, scenes};
+use sheen_tests::{UntilReport, scenes};
 use std::collections::HashSet;
 
 /// At most 5 % of all pairs of patches.
@@ -50,7 +50,12 @@ fn pairs_of_the_cafe_linked_in_the_whole_transport() {
     let patches = Prepared::new(&scene, &Settings::of(Quality::DEFAULT))
         .patches
         .len();
-    let solution = solve(&scene, &SolveConfig::default(), &mut TransportOnly).unwrap();
+    let solution = solve(
+        &scene,
+        &SolveConfig::default(),
+        &mut UntilReport::transport_is_done(),
+    )
+    .unwrap();
     let s = &solution.stats;
     // Links are counted each time and for each part of a patch: not less than the distinct pairs.
     let share = s.solve.patch_links as f64 / (patches as f64).powi(2);

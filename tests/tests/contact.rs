@@ -6,7 +6,7 @@ use glam::Vec3;
 use sheen_solver::config::Settings;
 use sheen_solver::solve::Prepared;
 use sheen_solver::{Quality, Scene, SolveConfig, solve};
-use sheen_tests::TransportOnly;
+use sheen_tests::UntilReport;
 use sheen_tests::scenes::Builder;
 
 /// What the links of a pass lose or find of the light that one surface sends through a room of black ones.
@@ -67,7 +67,7 @@ fn what_is_sent_beside_a_foot_arrives() {
                 quality,
                 ..SolveConfig::default()
             };
-            let solution = solve(&scene, &config, &mut TransportOnly).unwrap();
+            let solution = solve(&scene, &config, &mut UntilReport::transport_is_done()).unwrap();
             let s = &solution.stats.solve;
             let lost = s.corrected_w / s.emitted_w;
             let q = quality.value();

@@ -6,7 +6,7 @@ use sheen_solver::config::{Quality, Settings};
 use sheen_solver::{Scene, Solution, SolveConfig, solve};
 use sheen_tests::measure::{area, front_triangles, mean_of_corners};
 use sheen_tests::shared::shared;
-use sheen_tests::{TransportOnly, assert_close, scenes};
+use sheen_tests::{UntilReport, assert_close, scenes};
 use std::f64::consts::PI;
 
 /// Emitted power is absorbed, unshot or escaped to 0.5 %.
@@ -143,7 +143,7 @@ fn check_furnished(name: &str, scene: &Scene) {
         quality: Quality::PREVIEW,
         ..SolveConfig::default()
     };
-    let solution = solve(scene, &config, &mut TransportOnly).unwrap();
+    let solution = solve(scene, &config, &mut UntilReport::transport_is_done()).unwrap();
     let mut faults = Vec::new();
     check_solution(name, &solution, Quality::PREVIEW, FURNISHED, &mut faults);
     assert!(faults.is_empty(), "{faults:#?}");

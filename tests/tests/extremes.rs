@@ -6,11 +6,14 @@
 use glam::Vec3;
 use sheen_formats::solution;
 use sheen_solver::{
-    Gloss, Material, Quality, Rgb, Scene, SceneError, Solution, SolveConfig, SolveError, solve,
+    Gloss, Material, PathTracer, Quality, Rgb, Scene, SceneError, Solution, SolveConfig,
+    SolveError, solve,
 };
-use sheen_tests::assert_close;
 use sheen_tests::measure::{Random, extremes, front_triangles, mean_radiance, mean_radiance_of};
 use sheen_tests::scenes::{self, Builder, brighter, longer};
+use sheen_tests::{assert_close, images};
+use sheen_viewer::camera::View;
+use sheen_viewer::ways::path::{Budget, trace};
 use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::PI;
 
@@ -447,4 +450,28 @@ fn a_hundred_thousand_lamps() {
     // Φ ρ / (π A (1 - ρ)) in the mean of a closed room.
     let expected = 4.0 * PI * 10.0 / (6.0 * PI);
     assert_close("mean radiance", mean(&scene, &solution), expected, 0.01);
+}
+
+#[test]
+fn an_eye_inside_of_a_solid_sees_black() {
+    let mut parts = room().into_parts();
+    let camera = &mut parts.cameras[0];
+    // The block's middle.
+    (camera.eye, camera.target) = (Vec3::new(1.3, 0.5, 1.8), Vec3::new(1.3, 0.6, 9.0));
+    (camera.width, camera.height) = (16, 12);
+    let scene = Builder { parts }.build();
+    let solution = solved("a room", &scene);
+    let camera = &scene.cameras()[0];
+    let view = View::new(camera, scene.bounds()).unwrap();
+    let budget = Budget {
+        samples: 16,
+        time_limit: None,
+    };
+    let traced = trace(&PathTracer::new(&scene), &view, budget, 0, &mut ());
+    for (name, image) in [
+        ("solution", images::render(&solution, camera)),
+        ("paths", traced.image),
+    ] {
+        assert!(image.pixels.iter().all(|p| p.is_black()), "{name}");
+    }
 }

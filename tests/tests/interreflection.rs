@@ -4,11 +4,11 @@
 
 use glam::Vec3;
 use sheen_solver::{Quality, Scene, Solution, SolveConfig, solve};
-use sheen_tests::assert_close;
 use sheen_tests::measure::{
     Random, area, front_triangles, mean_of_corners, mean_radiance, mean_radiance_of,
 };
 use sheen_tests::scenes::{self, Builder, brighter};
+use sheen_tests::{UntilReport, assert_close};
 use std::f64::consts::PI;
 
 fn solved(scene: &Scene, quality: Quality) -> Solution {
@@ -262,4 +262,51 @@ fn a_sphere_with_a_port() {
         expected,
         0.005,
     );
+}
+
+#[test]
+fn no_reflection_sends_more_than_the_largest_albedo_of_what_it_received() {
+    let cube = |reflectance| (scenes::cube_with_lit_ceiling(1.0, reflectance), reflectance);
+    let glossy = scenes::room_with_glossy_floor();
+    for (scene, most) in [cube(0.2), cube(0.9), (glossy, 0.8)] {
+        let stats = solved(&scene, Quality::PREVIEW).stats.solve;
+        println!("{} W, {:?}", stats.emitted_w, stats.reflected_w);
+        assert_eq!(stats.reflected_w.len() as u64, stats.iterations);
+        assert!(stats.iterations > 1);
+        let mut before = stats.emitted_w;
+        for &power in &stats.reflected_w {
+            // What links lose or find is given back: rounding is left.
+            let bound = f64::from(most) * before * (1.0 + 1e-5);
+            assert!(power > 0.0 && power <= bound, "{power} W of {before}");
+            before = power;
+        }
+    }
+}
+
+#[test]
+fn unshot_power_bounds_what_a_stopped_solve_lacks() {
+    let scene = scenes::cube_with_lit_ceiling(1.0, 0.8);
+    let config = SolveConfig {
+        quality: Quality::PREVIEW,
+        ..SolveConfig::default()
+    };
+    let whole = solve(&scene, &config, &mut ()).unwrap().stats.solve;
+    let mut last = f64::INFINITY;
+    for reports in [10, 25, 40] {
+        let stopped = solve(
+            &scene,
+            &config,
+            &mut UntilReport(reports, "light transport"),
+        )
+        .unwrap();
+        let s = stopped.stats.solve;
+        let lacks = whole.absorbed_w - s.absorbed_w;
+        println!(
+            "{} iterations: lacks {lacks:.5} W, unshot {:.5} of {:.5}",
+            s.iterations, s.unshot_w, s.emitted_w
+        );
+        assert!(lacks <= s.unshot_w * (1.0 + 1e-3), "{lacks} W");
+        assert!(s.unshot_w < last);
+        last = s.unshot_w;
+    }
 }

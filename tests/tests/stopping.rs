@@ -2,25 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 #![allow(clippy::print_stdout, reason = "figures are read from the output")]
 
-use sheen_solver::{Observer, Progress, Solution, SolveConfig, solve};
-use sheen_tests::scenes;
-use std::ops::ControlFlow;
-
-/// Stops at a report of a phase: its number, from 0, and the phase.
-struct UntilReport(u32, &'static str);
-
-impl Observer for UntilReport {
-    fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
-        if progress.phase != self.1 {
-            return ControlFlow::Continue(());
-        }
-        if self.0 == 0 {
-            return ControlFlow::Break(());
-        }
-        self.0 -= 1;
-        ControlFlow::Continue(())
-    }
-}
+use sheen_solver::{Solution, SolveConfig, solve};
+use sheen_tests::{UntilReport, scenes};
 
 /// Mean radiance over the vertices that reflect light, and their number.
 fn mean(solution: &Solution) -> (f32, usize) {

@@ -48,7 +48,7 @@ pub(crate) struct WalkApp {
     walker: Walker,
     settings: Settings,
     /// Factor before display encoding at 0 stops.
-    exposure: f32,
+    exposure: f64,
     facts: Facts,
     figures: FrameFigures,
     last_frame: Instant,
@@ -120,7 +120,7 @@ impl WalkApp {
         );
         if let Ok(view) = View::new(&camera, self.bounds) {
             let image = self.renderer.render(&self.gpu, &view, 1)?;
-            self.exposure = tonemap::default_exposure(&image.pixels) as f32;
+            self.exposure = tonemap::default_exposure(&image.pixels);
         }
         Ok(())
     }
@@ -211,7 +211,8 @@ impl WalkApp {
             self.renderer.prepare_wireframe(&self.gpu, &self.solution);
         }
         self.prepare_panel(width, height);
-        let exposure = self.exposure * self.settings.stops.exp2();
+        let stops = f64::from(self.settings.stops);
+        let exposure = tonemap::for_shader(self.exposure * stops.exp2());
         let overlay = self.overlay(exposure);
         let view = View::new(&self.walker.camera(width, height), self.bounds);
         if let (Some((targets, id)), Ok(view)) = (&self.panel, view) {

@@ -36,6 +36,8 @@ pub fn statistics(stats: &Stats) -> Vec<(String, String)> {
                     format!("{:.4}", number.as_f64().unwrap_or(f64::NAN)),
                 ));
             }
+            // Lists are for files: a row is as wide as the panel.
+            serde_json::Value::Array(_) => {}
             other => rows.push((prefix.to_owned(), other.to_string())),
         }
     }

@@ -43,6 +43,11 @@ pub fn default_exposure(pixels: &[Rgb]) -> f64 {
     }
 }
 
+/// `exposure` as a shader can take it: a normal number, since infinity times black is no colour.
+pub fn for_shader(exposure: f64) -> f32 {
+    exposure.clamp(f32::MIN_POSITIVE.into(), f32::MAX.into()) as f32
+}
+
 /// Rec. 709 luminance in f64.
 pub fn luminance(p: Rgb) -> f64 {
     0.2126 * f64::from(p.r) + 0.7152 * f64::from(p.g) + 0.0722 * f64::from(p.b)
@@ -88,5 +93,17 @@ mod tests {
     fn a_black_image_keeps_exposure_one() {
         assert_eq!(default_exposure(&[Rgb::BLACK; 4]), 1.0);
         assert!((default_exposure(&[Rgb::splat(2.0); 10]) - 0.4).abs() < 1e-9);
+    }
+    #[test]
+    fn exposures_of_the_faintest_and_the_brightest_images_are_numbers() {
+        for value in [f32::from_bits(1), f32::MIN_POSITIVE, 1.0, f32::MAX] {
+            let pixels = [Rgb::splat(value); 10];
+            let exposure = default_exposure(&pixels);
+            assert!(for_shader(exposure).is_normal(), "{value:e}: {exposure:e}");
+            // 0.8 on the display, encoded.
+            assert_eq!(display_bytes(&pixels[..1], exposure), [231; 3], "{value:e}");
+        }
+        assert_eq!(for_shader(2.5), 2.5);
+        assert!(for_shader(f64::INFINITY).is_normal() && for_shader(0.0).is_normal());
     }
 }

@@ -234,6 +234,34 @@ fn a_camera_from_the_command_line_and_a_picture() {
 }
 
 #[test]
+fn a_plan_needs_no_up() {
+    // Straight down on the room: what lay ahead lies up. To look along an `up` that is given has no meaning.
+    let folder = folder_with_room();
+    let plan = |name: &str, up: &[&str]| {
+        let look = ["--eye", "0,2,0", "--target", "0,0,0", "--size", "30x30"];
+        let arguments = [&["render", "room.sheen", "-o", name], &look[..], up].concat();
+        sheen(folder.path(), &arguments)
+    };
+    let output = plan("plan.exr", &[]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let ahead = plan("ahead.exr", &["--up", "-0.3,-0.4,-3.4"]);
+    assert!(ahead.status.success(), "{}", text(&ahead.stderr));
+    let image = |name: &str| sheen_formats::image::read_exr(&folder.path().join(name)).unwrap();
+    let (plan_image, ahead) = (image("plan.exr"), image("ahead.exr"));
+    assert!(plan_image.pixels.iter().any(|pixel| !pixel.is_black()));
+    assert_eq!(plan_image.pixels, ahead.pixels);
+    let refused = plan("no.exr", &["--up", "0,1,0"]);
+    assert_eq!(refused.status.code(), Some(1));
+    let said = messages(&refused);
+    assert!(
+        said.iter()
+            .any(|line| line.contains("up is parallel to the view")),
+        "{said:?}"
+    );
+    assert!(!folder.path().join("no.exr").exists());
+}
+
+#[test]
 fn without_a_display_walking_leaves_a_picture() {
     let folder = folder_with_room();
     let output = sheen(folder.path(), &["walk", "room.sheen"]);

@@ -10,6 +10,7 @@ use sheen_viewer::camera::{View, Walker};
 use sheen_viewer::script::FRAME_S;
 use sheen_viewer::tonemap;
 use sheen_viewer::ways::cpu;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
@@ -101,6 +102,43 @@ fn the_window_shows_the_scene_and_the_panel() {
         .count();
     let all = panel().count();
     assert!(bright > all / 200 && bright < all / 3, "{bright} of {all}");
+}
+
+/// `solution` with all radiance times `factor`.
+fn brighter(mut solution: Solution, factor: f32) -> Solution {
+    solution.radiance.iter_mut().for_each(|r| *r *= factor);
+    let offsets: BTreeSet<u32> = solution.distribution_offset.iter().copied().collect();
+    for offset in offsets {
+        // A distribution begins with its scale.
+        if let Some(scale) = solution.distribution_words.get_mut(offset as usize) {
+            *scale = (f32::from_bits(*scale) * factor).to_bits();
+        }
+    }
+    solution
+}
+
+#[test]
+fn any_unit_of_light_looks_the_same() {
+    if !has_display("any_unit_of_light_looks_the_same") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let shot = |factor: f32| {
+        let solution = brighter(common::room(), factor);
+        sheen_formats::solution::write(&folder.path().join("room.sheen"), &solution).unwrap();
+        scene_part(&walk(folder.path(), &["room.sheen", "--frames", "4"]))
+    };
+    // Far beyond what half floats hold, to both sides.
+    let plain = shot(1.0);
+    for exponent in [90, -90] {
+        let found = shot(2f32.powi(exponent));
+        let off = plain.as_raw().iter().zip(found.as_raw());
+        let off = off.map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(
+            off <= Some(1),
+            "radiance times 2^{exponent}: {off:?} of 255"
+        );
+    }
 }
 
 /// A small lamp over a glossy floor at y = 0; the sphere beside it stands in the way of some of the floor.

@@ -35,6 +35,16 @@ pub struct Lobe {
 
 const ALBEDO_ENTRIES: usize = 33;
 
+/// True where a solve has to widen the lobe of `material` to `sharpest` (Ward roughness).
+pub fn is_widened(material: &Material, sharpest: f32) -> bool {
+    material.is_glossy()
+        && match material.gloss {
+            Gloss::None => false,
+            Gloss::Phong { exponent, .. } => exponent > phong::exponent_of_width(sharpest),
+            Gloss::Ward { roughness, .. } => roughness < sharpest,
+        }
+}
+
 impl Lobe {
     /// The lobe of `material`, if it is glossy. Lobes sharper than `sharpest` (Ward roughness) are widened to it.
     pub fn of(material: &Material, sharpest: f32) -> Option<Self> {
@@ -43,10 +53,9 @@ impl Lobe {
         }
         let (specular, shape) = match material.gloss {
             Gloss::None => return None,
-            // The exponent of like width: mirror-angle Gaussian matched to Ward's half-angle Gaussian.
             Gloss::Phong { specular, exponent } => (
                 specular,
-                Shape::Phong(exponent.min(0.5 / (sharpest * sharpest))),
+                Shape::Phong(exponent.min(phong::exponent_of_width(sharpest))),
             ),
             Gloss::Ward {
                 specular,
@@ -80,8 +89,10 @@ impl Lobe {
             return 0.0;
         }
         match self.shape {
-            Shape::Phong(exponent) => phong::eval(exponent, reflect(normal, wi).dot(wo)),
-            Shape::Ward(roughness) => ward::eval(roughness, cos_i, cos_o, wi.dot(wo)),
+            Shape::Phong(exponent) => phong::eval(exponent, mirror_cosine(normal, wi, wo)),
+            Shape::Ward(roughness) => {
+                ward::Half::of(normal, wi, wo).map_or(0.0, |half| ward::eval(roughness, &half))
+            }
         }
     }
 
@@ -111,6 +122,12 @@ impl Lobe {
 /// Mirror direction of `wi` about `normal`; both leave the surface.
 pub fn reflect(normal: Vec3, wi: Vec3) -> Vec3 {
     normal * (2.0 * normal.dot(wi)) - wi
+}
+
+/// Cosine of the angle between `wo` and the mirror direction of `wi`, from their distance: a dot product would know it,
+/// near 1, no better than it knows the lengths of both, and the sharpest lobes are as narrow as that.
+fn mirror_cosine(normal: Vec3, wi: Vec3, wo: Vec3) -> f32 {
+    1.0 - 0.5 * reflect(normal, wo).distance_squared(wi)
 }
 
 /// A number of incoming directions against one outgoing direction; structure of arrays.

@@ -3,6 +3,12 @@
 use super::fast;
 use std::f32::consts::TAU;
 
+/// The exponent whose lobe is as wide as one of this Ward `roughness`: a Gaussian of the angle from the mirror direction
+/// matched to one of the half angle.
+pub(super) fn exponent_of_width(roughness: f32) -> f32 {
+    0.5 / (roughness * roughness)
+}
+
 /// Value for the cosine of the angle to the mirror direction [sr⁻¹].
 pub(super) fn eval(exponent: f32, mirror_dot: f32) -> f32 {
     (exponent + 2.0) / TAU * power(exponent, mirror_dot)

@@ -1,6 +1,6 @@
 //! Directions chosen in proportion to a lobe, and their densities: what a path tracer follows.
 
-use super::{Lobe, Shape, phong, reflect, ward};
+use super::{Lobe, Shape, mirror_cosine, phong, reflect, ward};
 use crate::geometry::sampling::about;
 use glam::{Vec2, Vec3};
 
@@ -24,17 +24,10 @@ impl Lobe {
     /// Density with which [`Self::sample`] gives `wi` [sr⁻¹].
     pub fn density(&self, normal: Vec3, wo: Vec3, wi: Vec3) -> f32 {
         match self.shape {
-            Shape::Phong(exponent) => phong::density(exponent, reflect(normal, wo).dot(wi)),
+            Shape::Phong(exponent) => phong::density(exponent, mirror_cosine(normal, wi, wo)),
+            // A half vector below the surface is never chosen.
             Shape::Ward(roughness) => {
-                let half = wi + wo;
-                let length = half.length();
-                // A half vector below the surface is never chosen.
-                let cosine = half.dot(normal) / length;
-                if length > 0.0 && cosine > 0.0 {
-                    ward::density(roughness, cosine, wo.dot(half) / length)
-                } else {
-                    0.0
-                }
+                ward::Half::of(normal, wi, wo).map_or(0.0, |half| ward::density(roughness, &half))
             }
         }
     }
@@ -52,13 +45,13 @@ mod tests {
             gloss,
             ..Material::lambert("m", Rgb::BLACK)
         };
-        let phong = [0.0, 1.0, 30.0, 1000.0].map(|exponent| {
+        let phong = [0.0, 1.0, 30.0, 1000.0, 1e6].map(|exponent| {
             gloss(Gloss::Phong {
                 specular: Rgb::WHITE,
                 exponent,
             })
         });
-        let ward = [0.03, 0.2, 0.5].map(|roughness| {
+        let ward = [1e-5, 1e-3, 0.03, 0.2, 0.5].map(|roughness| {
             gloss(Gloss::Ward {
                 specular: Rgb::WHITE,
                 roughness,

@@ -3,15 +3,45 @@
 //! f = exp(-tan²δ/α²) / (π α²) · |h|² / (h·n)⁴ with the unnormalised h = wi + wo and δ its angle to the normal.
 
 use super::fast;
+use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-/// Value [sr⁻¹] for cosines above zero.
-pub(super) fn eval(roughness: f32, cos_i: f32, cos_o: f32, wi_dot_wo: f32) -> f32 {
-    let a = roughness * roughness;
-    bell(std::f32::consts::LOG2_E / a, cos_i, cos_o, wi_dot_wo) / (PI * a)
+/// The unnormalised half vector of two directions, against the normal.
+pub(super) struct Half {
+    length_squared: f32,
+    height: f32,
+    /// tan²δ, from the part of h across the normal: as a difference of squares, it would be known to 1e-7 only, and
+    /// the sharpest lobes are no wider.
+    tan_squared: f32,
 }
 
-/// exp2(-sharpness tan²δ) |h|² / (h·n)⁴.
+impl Half {
+    /// `None` where it does not leave the surface.
+    pub(super) fn of(normal: Vec3, wi: Vec3, wo: Vec3) -> Option<Self> {
+        let half = wi + wo;
+        let height = half.dot(normal);
+        let across = half - normal * height;
+        (height > 0.0).then(|| Self {
+            length_squared: half.length_squared(),
+            height,
+            tan_squared: across.length_squared() / (height * height),
+        })
+    }
+
+    /// exp(-tan²δ/α²) / (π α²).
+    fn bell(&self, roughness: f32) -> f32 {
+        let a = roughness * roughness;
+        fast::exp2(-std::f32::consts::LOG2_E / a * self.tan_squared) / (PI * a)
+    }
+}
+
+/// Value [sr⁻¹].
+pub(super) fn eval(roughness: f32, half: &Half) -> f32 {
+    let squared = half.height * half.height;
+    half.bell(roughness) * half.length_squared / (squared * squared)
+}
+
+/// exp2(-sharpness tan²δ) |h|² / (h·n)⁴ from cosines; for lobes wider than roundings.
 #[inline]
 pub(super) fn bell(sharpness: f32, cos_i: f32, cos_o: f32, wi_dot_wo: f32) -> f32 {
     let length_squared = 2.0 + 2.0 * wi_dot_wo;
@@ -29,13 +59,13 @@ pub(super) fn sample_angle(roughness: f32, at: f32) -> (f32, f32) {
     (tan * cosine, cosine)
 }
 
-/// Density of the direction mirrored about a half vector with cosine `half_dot` to the normal and `between` to both
-/// directions [sr⁻¹].
-pub(super) fn density(roughness: f32, half_dot: f32, between: f32) -> f32 {
-    let a = roughness * roughness;
-    let squared = half_dot * half_dot;
-    let bell = (-(1.0 - squared).max(0.0) / (squared * a)).exp();
-    bell / (PI * a * squared * half_dot * 4.0 * between.max(f32::MIN_POSITIVE))
+/// Density of the direction that is mirrored about the half vector [sr⁻¹].
+pub(super) fn density(roughness: f32, half: &Half) -> f32 {
+    let cosine_squared = 1.0 / (1.0 + half.tan_squared);
+    // h / |h| · wo is half the length of h.
+    let between = 0.5 * half.length_squared.sqrt();
+    half.bell(roughness)
+        / (cosine_squared * cosine_squared.sqrt() * 4.0 * between.max(f32::MIN_POSITIVE))
 }
 
 /// Cosine of the angle from the mirror direction beyond which the lobe is surely below `share` of its peak: turning h by

@@ -18,7 +18,7 @@ impl Projector {
     }
 
     /// Leaves that are stored.
-    fn leaves(&self) -> impl Iterator<Item = &Cell> {
+    pub(super) fn leaves(&self) -> impl Iterator<Item = &Cell> {
         let is_stored = |cell: &&Cell| cell.first_child == 0 && !cell.below_horizon;
         self.cells.iter().filter(is_stored)
     }

@@ -398,31 +398,48 @@ pub(super) mod tests {
         }
     }
 
+    /// Up to six peaks of any width anywhere, over a constant.
+    fn peaks(seed: u32) -> impl Fn(Vec3) -> f32 {
+        let random = move |i: u32| hash::unit(seed, 100 + i);
+        move |d: Vec3| {
+            let peak = |i: u32| {
+                let cosine = d.dot(direction(seed * 8 + i)).max(0.0);
+                cosine.powf(10f32.powf(4.0 * random(2 * i))) * random(2 * i + 1)
+            };
+            (0..1 + seed % 6).map(peak).sum::<f32>() + 0.01
+        }
+    }
+
     #[test]
     fn neighbours_differ_by_one_level_at_most_and_agree_on_their_edge() {
-        let f = |d: Vec3| (d.dot(Vec3::new(-0.2, 0.9, 0.1).normalize()).max(0.0)).powi(800);
+        // One projector for all, as in a solve.
         let mut projector = Projector::default();
         let mut words = Vec::new();
-        projector.project(
-            &mut Plain(f),
-            &Projection {
-                min_level: 3,
+        let mut deepest = 0;
+        for seed in 0..200 {
+            let how = Projection {
+                min_level: seed % 4,
+                horizon: (seed % 3 == 0).then(|| direction(seed)),
                 ..HOW
-            },
-            &mut words,
-        );
-        for cell in projector.cells.iter().filter(|c| c.first_child == 0) {
-            for (a, b) in Projector::edges(cell) {
-                if let Some(m) = projector.midpoint_of(a, b) {
+            };
+            projector.project(&mut Plain(peaks(seed)), &how, &mut words);
+            for cell in projector.leaves() {
+                deepest = deepest.max(cell.level);
+                for (a, b) in Projector::edges(cell) {
+                    let Some(m) = projector.midpoint_of(a, b) else {
+                        continue;
+                    };
                     assert!(
                         projector.midpoint_of(a, m).is_none()
-                            && projector.midpoint_of(m, b).is_none()
+                            && projector.midpoint_of(m, b).is_none(),
+                        "{seed}"
                     );
                     let mean = (projector.values[a as usize] + projector.values[b as usize]) * 0.5;
-                    assert_eq!(projector.values[m as usize], mean);
+                    assert_eq!(projector.values[m as usize], mean, "{seed}");
                 }
             }
         }
+        assert_eq!(deepest, 6);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::solution::Solution;
 pub use furnace::{enclosed, solve_furnace};
 pub use prepare::{Emission, Prepared};
 pub(crate) use shooting::transport;
-pub use shooting::{FirstLinks, Transported, first_links};
+pub use shooting::{FirstLinks, Transported, first_links, transported};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -118,7 +118,17 @@ pub(crate) struct Watch<'a> {
     done: f32,
 }
 
-impl Watch<'_> {
+impl<'a> Watch<'a> {
+    pub(crate) fn new(observer: &'a mut dyn Observer, time_limit_s: Option<f64>) -> Self {
+        Self {
+            observer,
+            started: Instant::now(),
+            time_limit_s,
+            stopped: false,
+            done: 0.0,
+        }
+    }
+
     /// Reports; `Break` once stopped, and ever after.
     pub(crate) fn report(&mut self, phase: &'static str, done: f32) -> ControlFlow<()> {
         self.done = self.done.max(done.clamp(0.0, 1.0));
@@ -168,13 +178,7 @@ fn solve_prepared(
 ) -> Result<Solution, SolveError> {
     let settings = config.settings()?;
     check_loss(scene)?;
-    let mut watch = Watch {
-        observer,
-        started: Instant::now(),
-        time_limit_s: config.time_limit_s,
-        stopped: false,
-        done: 0.0,
-    };
+    let mut watch = Watch::new(observer, config.time_limit_s);
     let mut work = || -> Result<Solution, SolveError> {
         let prepared = prepare(&settings);
         let mut transported = transport(&prepared, &settings, &mut watch)?;

@@ -56,6 +56,12 @@ pub(crate) fn transport(
     Ok(shooting.finish())
 }
 
+/// Light transport alone, nothing is gathered at vertices: for those who want to check elements. Errors: light that is
+/// not finite.
+pub fn transported(prepared: &Prepared, settings: &Settings) -> Result<Transported, SolveError> {
+    transport(prepared, settings, &mut Watch::new(&mut (), None))
+}
+
 /// Everything about the links of the first iteration, where senders are emitters and their radiance is exact.
 pub struct FirstLinks {
     /// Clusters and elements as refined by them.
@@ -197,6 +203,7 @@ impl<'a> Shooting<'a> {
             let shot = sent * factor;
             factor *= correction;
             let left = reflected.exitance * factor;
+            self.stats.solve.reflected_w.push(mean(left));
             let tail = if stopped {
                 DVec3::ONE
             } else {
@@ -220,7 +227,14 @@ impl<'a> Shooting<'a> {
             solve.corrected_w += mean(reflected.received * (factor - factor / correction) * weight);
             sent = reflected.exitance;
             if is_last {
-                solve.unshot_w = if stopped { mean(left) } else { 0.0 };
+                // Of an iteration that was stopped, some receivers had nothing yet.
+                let arrived = reflected.received * factor;
+                let on_its_way = shot * (1.0 - escape.share - escape.in_glass) - arrived;
+                solve.unshot_w = if stopped {
+                    mean(left) + mean(on_its_way).max(0.0)
+                } else {
+                    0.0
+                };
                 break;
             }
             solve.unshot_w = mean(left);
@@ -425,13 +439,14 @@ impl<'a> Shooting<'a> {
             + self.prepared.tree.bytes()) as u64;
         solve.bytes.illumination_samples = samples.bytes() as u64;
         solve.bytes.distributions = solve.bytes.distributions.max(total.bytes() as u64);
-        for watts in [
+        let powers = [
             &mut solve.emitted_w,
             &mut solve.absorbed_w,
             &mut solve.unshot_w,
             &mut solve.escaped_w,
             &mut solve.corrected_w,
-        ] {
+        ];
+        for watts in powers.into_iter().chain(&mut solve.reflected_w) {
             *watts = self.prepared.frame.power(*watts) * 3.0;
         }
         Transported {

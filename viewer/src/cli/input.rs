@@ -83,11 +83,17 @@ pub(super) fn solve_scene(path: &Path, args: &SolveArgs) -> anyhow::Result<Solut
     let started = Instant::now();
     let scene = load_scene(path, args.lenient)?.scene;
     let load_s = started.elapsed().as_secs_f64();
+    let config = args.config();
+    let place = || path.display().to_string();
+    let sharpest = config.settings().with_context(place)?.sharpest_roughness;
+    if let Some(text) = sheen_formats::note_widened(&scene, sharpest) {
+        note(&format!("note: {text}"));
+    }
     let cpu_before = process::cpu_seconds();
     let mut observer = progress::TerminalObserver::new();
-    let solved = sheen_solver::solve(&scene, &args.config(), &mut observer);
+    let solved = sheen_solver::solve(&scene, &config, &mut observer);
     observer.finish();
-    let mut solution = solved.with_context(|| path.display().to_string())?;
+    let mut solution = solved.with_context(place)?;
     if progress::is_interrupted() {
         note("interrupted: keeping what has been solved so far");
     }

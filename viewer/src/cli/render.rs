@@ -7,6 +7,7 @@ use crate::{tonemap, ways};
 use anyhow::Context;
 use glam::Vec3;
 use sheen_formats::image::Image;
+use sheen_solver::scene::looks_along_up;
 use sheen_solver::{Camera, PathTracer};
 use std::path::PathBuf;
 
@@ -29,7 +30,7 @@ pub(super) struct Args {
     /// What it looks at [m]
     #[arg(long, value_parser = values::vector, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye")]
     target: Option<Vec3>,
-    /// What is up [default: as the scene's first camera]
+    /// What is up [default: as the scene's first camera; straight up and down, where that looks]
     #[arg(long, value_parser = values::vector, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye")]
     up: Option<Vec3>,
     /// Vertical field of view, degrees [default: as the scene's first camera]
@@ -101,9 +102,14 @@ fn output(text: &str) -> Result<Output, String> {
 fn camera(args: &Args, cameras: &[Camera]) -> anyhow::Result<Camera> {
     let mut camera = input::camera(cameras, args.camera.as_deref())?;
     if let (Some(eye), Some(target)) = (args.eye, args.target) {
+        let ahead = camera.target - camera.eye;
         camera.name = "command line".to_owned();
         (camera.eye, camera.target) = (eye, target);
         camera.up = args.up.unwrap_or(camera.up);
+        // Straight down or up: a plan is turned as the scene's first camera stands.
+        if args.up.is_none() && looks_along_up(&camera) {
+            camera.up = ahead;
+        }
         camera.fov_y_degrees = args
             .fov_y
             .map_or(camera.fov_y_degrees, |degrees| degrees as f32);
