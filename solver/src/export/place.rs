@@ -17,7 +17,7 @@ const UNCOVERED: [f32; 4] = [INSET, 0.25, 0.5, 1.0];
 const RAYS: u32 = 16;
 
 /// A place is covered when fewer of them are open.
-const OPEN: u32 = RAYS / 4;
+const OPEN: usize = RAYS as usize / 4;
 
 /// A place on a leaf.
 pub(super) struct Place<'a> {
@@ -43,7 +43,11 @@ impl<'a> Place<'a> {
         };
         let centre = |leaf: NodeId| hierarchy.node(leaf).centre;
         let inset = |leaf: NodeId| on(leaf, centre(leaf), INSET);
-        let openness = |place: &Self| place.open_rays(hierarchy, occluders);
+        let openness = |place: &Self| place.open_rays(hierarchy, occluders).count();
+        let is_open = |place: &Self| {
+            let mut open = place.open_rays(hierarchy, occluders);
+            open.nth(OPEN - 1).is_some()
+        };
         let first = inset(around[0]);
         let usual = if first.element.shading == NONE {
             let sum: Vec3 = around.iter().map(|&leaf| centre(leaf)).sum();
@@ -51,12 +55,9 @@ impl<'a> Place<'a> {
         } else {
             // On smooth surfaces the middle of several leaves lies inside the solid, and some of them may: stay on the
             // first of the most open ones.
-            let open = around.iter().map(|&leaf| inset(leaf));
-            open.map(|place| (openness(&place), place))
-                .reduce(|a, b| if b.0 > a.0 { b } else { a })
-                .map_or(first, |best| best.1)
+            most_open(around.iter().map(|&leaf| inset(leaf)), openness).map_or(first, |best| best.1)
         };
-        if openness(&usual) >= OPEN {
+        if is_open(&usual) {
             return usual;
         }
         let targets: Vec<(NodeId, Vec3)> = around
@@ -70,30 +71,46 @@ impl<'a> Place<'a> {
                 let targets: Vec<Vec3> = inner.chain([centre(leaf)]).collect();
                 targets.into_iter().map(move |target| (leaf, target))
             })
-            .filter(|&(leaf, target)| openness(&on(leaf, target, 1.0)) >= OPEN)
+            .filter(|&(leaf, target)| is_open(&on(leaf, target, 1.0)))
             .collect();
         UNCOVERED
             .iter()
             .find_map(|&share| {
-                let places = targets.iter().map(|&(leaf, target)| {
-                    let place = on(leaf, target, share);
-                    (openness(&place), place)
-                });
-                // The first of the most open ones.
-                let best = places.reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+                let places = targets
+                    .iter()
+                    .map(|&(leaf, target)| on(leaf, target, share));
+                let best = most_open(places, openness)?;
                 (best.0 >= OPEN).then_some(best.1)
             })
             .unwrap_or(usual)
     }
 
-    /// Number of rays that meet a front, and not closer than the leaf is large.
-    fn open_rays(&self, hierarchy: &Hierarchy, occluders: &Occluders) -> u32 {
+    /// Rays that meet a front, and not closer than the leaf is large.
+    fn open_rays(&self, hierarchy: &Hierarchy, occluders: &Occluders) -> impl Iterator<Item = u32> {
         let reach = hierarchy.node(self.element.node).radius;
-        let is_open = |ray: u32| {
-            let direction = cosine_direction(self.element.normal, spread(ray));
+        let is_open = move |ray: &u32| {
+            let direction = cosine_direction(self.element.normal, spread(*ray));
             let hit = occluders.first_hit(self.position, direction, self.element.patch);
             hit.is_none_or(|hit| !hit.back && hit.distance > reach)
         };
-        (0..RAYS).filter(|&ray| is_open(ray)).count() as u32
+        (0..RAYS).filter(is_open)
     }
+}
+
+/// The first of those `places` of which the most rays are open, and how many are.
+fn most_open<P>(
+    places: impl Iterator<Item = P>,
+    openness: impl Fn(&P) -> usize,
+) -> Option<(usize, P)> {
+    let mut best: Option<(usize, P)> = None;
+    for place in places {
+        let open = openness(&place);
+        if best.as_ref().is_none_or(|best| open > best.0) {
+            best = Some((open, place));
+        }
+        if open == RAYS as usize {
+            break;
+        }
+    }
+    best
 }

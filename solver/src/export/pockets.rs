@@ -19,8 +19,8 @@ const NEAR: f32 = 1.0 / 16.0;
 /// Rays from the middle of each side.
 const RAYS: u32 = 64;
 
-/// Of these, so many end in the pocket.
-const ENDING: usize = 60;
+/// Of these, so many may go further.
+const FAR: usize = 4;
 
 /// For each patch its front and its back: is it dark, and does it see only what is near? Dark is what receives no more
 /// than `dark` [W·m⁻², mean over channels] on average. `irradiance`: per node, of leaves.
@@ -70,12 +70,12 @@ fn is_enclosed(prepared: &Prepared, hierarchy: &Hierarchy, patch: u32, back: boo
         return false;
     };
     let from = hierarchy.node(element.node).centre;
-    let ends_near = |ray: &u32| {
+    let goes_far = |ray: &u32| {
         let direction = cosine_direction(element.normal, spread(*ray));
         let hit = prepared.occluders.nearest_hit(from, direction, patch);
-        hit.is_some_and(|hit| hit.distance < NEAR)
+        hit.is_none_or(|hit| hit.distance >= NEAR)
     };
-    (0..RAYS).filter(ends_near).count() >= ENDING
+    (0..RAYS).filter(goes_far).nth(FAR).is_none()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::Polygon;
 use glam::Vec3;
 
 /// Corners that a cone can have; a cut adds at most one.
-const MOST_CORNERS: usize = 12;
+pub(crate) const MOST_CORNERS: usize = 12;
 
 /// The direction of an edge over a smaller angle [rad] than this may be rounding.
 const SHORT: f32 = 1.0 / 1024.0;

@@ -6,13 +6,14 @@
 
 use crate::geometry::Cone;
 use crate::hierarchy::{Hierarchy, NONE};
+use crate::radiometry::Rgb;
 use crate::transport::blockers::Blockers;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
 use crate::transport::occlusion::{Candidates, Geometry, Occlusion, Target};
 use crate::transport::propagate::{Environment, Gloss, LinkStats, is_near};
-use crate::transport::rays::Rays;
+use crate::transport::rays::{Few, Rays};
 use crate::transport::sample::unoccluded_sample;
 use glam::Vec3;
 
@@ -65,6 +66,16 @@ struct VertexLink<'a> {
     sample: Option<IlluminationSample>,
 }
 
+/// What is known without rays.
+enum Exact {
+    /// What arrives.
+    Seen(IlluminationSample),
+    /// The sender hides parts whose radiance is not like that of the others.
+    Uneven,
+    /// Too much stands in between, or it is a cluster.
+    Unknown,
+}
+
 impl Gather<'_> {
     /// All light that reaches a vertex, from the accuracy `limit` [W·m⁻², mean over channels].
     pub fn at(
@@ -113,7 +124,7 @@ impl Gather<'_> {
                 });
                 continue;
             }
-            let Some(mut sample) = link.sample else {
+            let Some(sample) = link.sample else {
                 continue;
             };
             let strength = sample.irradiance.mean();
@@ -131,60 +142,36 @@ impl Gather<'_> {
                 None => FAINT_CLUSTER..WEAK_CLUSTER,
             };
             if strength > weak.start * limit && strength <= weak.end * limit {
-                let seen = rays.strata(2, &mut stats);
+                let seen = rays.few(Few::Two, &mut stats);
                 blockers.add(seen.blocker);
-                if !seen.is_mixed() {
-                    let transmittance = seen.transmittance();
+                if !seen.is_mixed {
                     stats.links += 1;
-                    if !transmittance.is_black() {
-                        sample.irradiance = sample.irradiance * transmittance;
-                        samples.push(sample);
-                    }
+                    samples.extend(sample.through(seen.transmittance));
                     continue;
                 }
             }
-            if strength > FAINT * limit
-                && let Some(polygon) = &sender.polygon
-                && let Some(target) = Target::new(
-                    polygon,
-                    sender.normal,
-                    sender.patch,
-                    receiver.centre,
-                    receiver.normal,
-                )
-            {
-                candidates = occlusion.candidates(
-                    &target.pyramid(receiver.normal),
-                    sender.patch,
-                    candidates,
-                );
-                if let Candidates::List(from, to) = candidates
-                    && let Some(visible) = occlusion.visible(&target, from, to)
-                {
-                    if from < to || target.is_cut {
-                        let above = target.vector();
-                        let whole = Cone::new(polygon, receiver.centre).vector_irradiance();
-                        let (above_length, whole_length) = (above.length(), whole.length());
-                        let exposed = whole_length * sender.exposed_share(self.exitant);
-                        let share = visible.length() / exposed;
-                        let uneven = self.exitant.unevenness(id.node, share);
-                        if can_refine
-                            && hierarchy.has_children_among(id.node, self.node_count)
-                            && strength * whole_length * uneven > UNEVEN * limit * above_length
-                        {
-                            sender.parts(hierarchy, self.node_count, |part| {
-                                stack.push((part, candidates))
-                            });
-                            continue;
-                        }
-                        sample = sample.seen_partly(above, visible);
+            if strength > FAINT * limit {
+                match self.exactly(
+                    hierarchy,
+                    &link,
+                    sample,
+                    limit,
+                    &mut occlusion,
+                    &mut candidates,
+                ) {
+                    Exact::Seen(sample) => {
+                        stats.links += 1;
+                        stats.clear_shafts += u64::from(candidates.is_none());
+                        samples.extend(sample.through(Rgb::WHITE));
+                        continue;
                     }
-                    stats.links += 1;
-                    stats.clear_shafts += u64::from(from == to);
-                    if !sample.irradiance.is_black() {
-                        samples.push(sample);
+                    Exact::Uneven => {
+                        sender.parts(hierarchy, self.node_count, |part| {
+                            stack.push((part, candidates))
+                        });
+                        continue;
                     }
-                    continue;
+                    Exact::Unknown => {}
                 }
             }
             if sender.polygon.is_none() && strength > FAINT_CLUSTER * limit {
@@ -193,26 +180,70 @@ impl Gather<'_> {
                 });
                 continue;
             }
-            let strata = if strength > limit { self.strata } else { 1 };
-            let seen = rays.strata(strata, &mut stats);
+            if strength <= limit {
+                let seen = rays.few(Few::One, &mut stats);
+                blockers.add(seen.blocker);
+                stats.links += 1;
+                samples.extend(sample.through(seen.transmittance));
+                continue;
+            }
+            let seen = rays.strata(self.strata, &mut stats);
             blockers.add(seen.blocker);
-            if seen.is_mixed() && can_refine && strength > limit {
+            if seen.is_mixed() && can_refine {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))
                 });
                 continue;
             }
             stats.links += 1;
-            let transmittance = seen.transmittance();
-            if !transmittance.is_black() {
-                samples.push(IlluminationSample {
-                    irradiance: sample.irradiance * transmittance,
-                    ..sample
-                });
-            }
+            samples.extend(sample.through(seen.transmittance()));
         }
         self.point_lights(receiver, samples, &mut stats);
         stats
+    }
+
+    /// What a vertex sees of an element past what stands before it: `sample`, or a part of it.
+    fn exactly(
+        &self,
+        hierarchy: &Hierarchy,
+        link: &VertexLink<'_>,
+        sample: IlluminationSample,
+        limit: f32,
+        occlusion: &mut Occlusion<'_>,
+        candidates: &mut Candidates,
+    ) -> Exact {
+        let (receiver, sender) = (link.receiver, link.sender);
+        let Some(polygon) = &sender.polygon else {
+            return Exact::Unknown;
+        };
+        let (eye, horizon) = (receiver.centre, receiver.normal);
+        let Some(target) = Target::new(polygon, sender.normal, sender.patch, eye, horizon) else {
+            return Exact::Unknown;
+        };
+        *candidates = occlusion.candidates(&target.pyramid(horizon), sender.patch, *candidates);
+        let Candidates::List(from, to) = *candidates else {
+            return Exact::Unknown;
+        };
+        if from == to && !target.is_cut {
+            return Exact::Seen(sample);
+        }
+        let Some(visible) = occlusion.visible(&target, from, to) else {
+            return Exact::Unknown;
+        };
+        let above = target.vector();
+        let whole = Cone::new(polygon, eye).vector_irradiance();
+        let (above_length, whole_length) = (above.length(), whole.length());
+        let exposed = whole_length * sender.exposed_share(self.exitant);
+        let id = sender.id.node;
+        let uneven = self.exitant.unevenness(id, visible.length() / exposed);
+        let strength = sample.irradiance.mean();
+        if sender.can_refine()
+            && hierarchy.has_children_among(id, self.node_count)
+            && strength * whole_length * uneven > UNEVEN * limit * above_length
+        {
+            return Exact::Uneven;
+        }
+        Exact::Seen(sample.seen_partly(above, visible))
     }
 
     /// How far the sample of a link may be from the truth [W·m⁻²], apart from visibility: hoped, not proven, unlike

@@ -52,6 +52,12 @@ impl IlluminationSample {
         }
     }
 
+    /// What of it arrives through what stands in between, if anything does.
+    pub(super) fn through(mut self, transmittance: Rgb) -> Option<Self> {
+        self.irradiance = self.irradiance * transmittance;
+        (!self.irradiance.is_black()).then_some(self)
+    }
+
     fn scaled(mut self, factor: f32) -> Self {
         self.irradiance *= factor;
         self

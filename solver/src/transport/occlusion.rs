@@ -3,6 +3,7 @@
 //! Which may stand before it is found once, in the pyramid from the point to a sender, and handed down to its parts:
 //! most pyramids hold nothing, and most others one or two patches. Where there are more, rays decide.
 
+use crate::geometry::cone::MOST_CORNERS;
 use crate::geometry::{Cone, Polygon};
 use crate::transport::link::COPLANAR;
 use crate::transport::pyramid::Pyramid;
@@ -24,6 +25,13 @@ pub(super) enum Candidates {
     List(u32, u32),
     /// Too many, or glass.
     Many,
+}
+
+impl Candidates {
+    /// True where it is known that nothing does.
+    pub(super) fn is_none(&self) -> bool {
+        matches!(self, Self::List(from, to) if from == to)
+    }
 }
 
 /// A polygon as seen from a point.
@@ -98,22 +106,25 @@ impl Geometry<'_> {
     /// Vector irradiance [sr] of what `eye` sees of `target` past `candidates`; `None` when it falls into too many
     /// pieces.
     pub(super) fn visible(&self, eye: Vec3, target: &Target, candidates: &[u32]) -> Option<Vec3> {
-        let mut pieces = vec![target.cone];
-        let mut cut = Vec::new();
+        let mut pieces = vec![Piece::new(target.cone, true)];
         for &patch in candidates {
             let Some((occluder, front)) = self.occluder(eye, patch, target) else {
                 continue;
             };
-            cut.clear();
-            for piece in &pieces {
-                subtract(piece, &occluder, front, &mut cut)?;
+            let occluder = Piece::new(occluder, front);
+            // From the last to the first: what is left of those that are cut goes where no cut comes any more.
+            for at in (0..pieces.len()).rev() {
+                if !pieces[at].is_apart(&occluder) {
+                    let piece = pieces.swap_remove(at);
+                    piece.subtract(&occluder, &mut pieces)?;
+                }
             }
-            std::mem::swap(&mut pieces, &mut cut);
             if pieces.is_empty() {
                 break;
             }
         }
-        Some(pieces.iter().map(Cone::vector_irradiance).sum())
+        let vectors = pieces.iter().map(|piece| piece.cone.vector_irradiance());
+        Some(vectors.sum())
     }
 
     /// The part of `patch` that lies before `target`, and whether it shows its front to the point.
@@ -192,30 +203,61 @@ impl Occlusion<'_> {
     }
 }
 
-/// Appends the parts of `piece` outside `occluder` to `kept`; `None` when they are too many.
-fn subtract(piece: &Cone, occluder: &Cone, front: bool, kept: &mut Vec<Cone>) -> Option<()> {
-    let beside = |cone: &Cone, side: Vec3| cone.corners().iter().all(|c| c.dot(side) <= COPLANAR);
-    let apart = occluder.sides(front).any(|side| beside(piece, side))
-        || piece.sides(true).any(|side| beside(occluder, side));
-    if apart {
-        kept.push(*piece);
-        return Some(());
+/// A cone and its sides.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    cone: Cone,
+    /// Their inward normals.
+    sides: [Vec3; MOST_CORNERS],
+    count: usize,
+}
+
+impl Piece {
+    /// `front`: the point is in front of the polygon.
+    fn new(cone: Cone, front: bool) -> Self {
+        let mut piece = Self {
+            cone,
+            sides: [Vec3::ZERO; MOST_CORNERS],
+            count: 0,
+        };
+        for side in cone.sides(front) {
+            piece.sides[piece.count] = side;
+            piece.count += 1;
+        }
+        piece
     }
-    let mut rest = *piece;
-    for side in occluder.sides(front) {
-        if rest.is_full() || kept.len() >= MOST_PIECES {
-            return None;
-        }
-        let outside = rest.above(-side, 0.0);
-        if !outside.is_empty() {
-            kept.push(outside);
-        }
-        rest = rest.above(side, 0.0);
-        if rest.is_empty() {
-            break;
-        }
+
+    fn sides(&self) -> &[Vec3] {
+        &self.sides[..self.count]
     }
-    Some(())
+
+    /// True when some side of one has the other outside.
+    fn is_apart(&self, other: &Self) -> bool {
+        let has_outside = |piece: &Self, cone: &Cone| {
+            let beside = |side: &Vec3| cone.corners().iter().all(|c| c.dot(*side) <= COPLANAR);
+            piece.sides().iter().any(beside)
+        };
+        has_outside(other, &self.cone) || has_outside(self, &other.cone)
+    }
+
+    /// Appends the parts outside `occluder` to `kept`; `None` when they are too many.
+    fn subtract(&self, occluder: &Self, kept: &mut Vec<Self>) -> Option<()> {
+        let mut rest = self.cone;
+        for &side in occluder.sides() {
+            if rest.is_full() || kept.len() >= MOST_PIECES {
+                return None;
+            }
+            let outside = rest.above(-side, 0.0);
+            if !outside.is_empty() {
+                kept.push(Self::new(outside, true));
+            }
+            rest = rest.above(side, 0.0);
+            if rest.is_empty() {
+                break;
+            }
+        }
+        Some(())
+    }
 }
 
 #[cfg(test)]

@@ -25,62 +25,84 @@ pub(super) struct Rays<'a> {
 impl Rays<'_> {
     /// What `side`² rays find.
     pub(super) fn strata(&self, side: u32, stats: &mut LinkStats) -> Passage {
-        let seed = hash::mix(self.sender.id.node, self.receiver_node);
         // Rays end on what light can reach of a sender, its form factor is that of all of it.
         let mut passage = Passage {
             share: self.sender.exposed_share(self.exitant),
             ..Passage::default()
         };
-        let all = side * side;
-        for ray in 0..all {
-            let at = |i: u32, salt: u32| {
-                let jitter = |axis: u32| {
-                    // One ray goes through the middle; more are spread within their strata.
-                    if all == 1 {
-                        0.5
-                    } else {
-                        0.02 + 0.96 * hash::unit(seed.wrapping_add(ray), salt + axis)
-                    }
-                };
-                Vec2::new(
-                    ((i % side) as f32 + jitter(0)) / side as f32,
-                    ((i / side) as f32 + jitter(1)) / side as f32,
-                )
-            };
-            // A fixed permutation pairs strata of the two ends that are not alike.
-            let seed_of = |salt: u32| hash::mix(seed, ray ^ salt);
-            let transposed = (ray % side) * side + ray / side;
-            let uv = at((transposed + all / 2) % all, 20);
-            let Some((from, to)) = self.ends((uv, seed_of(0x5555)), (at(ray, 10), seed_of(0)))
-            else {
-                continue;
-            };
-            let offset = to.point - from.point;
-            let squared = offset.length_squared();
-            let direction = offset / squared.sqrt();
-            // What is near counts for more, as it does in the form factor.
-            let cosines = [from.normal.dot(direction), -to.normal.dot(direction)];
-            if squared <= 0.0 || cosines.iter().any(|&cosine| cosine <= 0.0) {
-                continue;
-            }
-            let weight = cosines[0] * cosines[1] / squared;
-            let (passed, blocker) =
-                self.occluders
-                    .passage(from.point, to.point, [from.patch, to.patch]);
-            stats.rays += 1;
-            if blocker != NO_PATCH {
-                passage.blocker = Some(blocker);
-            }
-            passage.plain.add(passed, weight);
+        for ray in (0..side * side).filter_map(|ray| self.ray(ray, side, stats)) {
+            passage.blocker = ray.blocker.or(passage.blocker);
+            passage.plain.add(ray.passed, ray.weight);
             // The radiance on a link to a vertex is one.
-            let weight = if all > 1 && self.receiver_node != NONE {
-                weight * self.brightness(to.node, -direction)
+            let weight = if side > 1 && self.receiver_node != NONE {
+                ray.weight * self.brightness(ray.to, -ray.direction)
             } else {
-                weight
+                ray.weight
             };
-            passage.mean.add(passed, weight);
+            passage.mean.add(ray.passed, weight);
         }
         passage
+    }
+
+    /// What two rays to opposite quarters of the sender, or the one in its middle, agree on.
+    pub(super) fn few(&self, count: Few, stats: &mut LinkStats) -> Agreement {
+        let (side, rays) = match count {
+            Few::One => (1, &[0][..]),
+            Few::Two => (2, &[0, 3][..]),
+        };
+        let mut agreement = Agreement::default();
+        let mut first = None;
+        for ray in rays.iter().filter_map(|&ray| self.ray(ray, side, stats)) {
+            agreement.blocker = ray.blocker.or(agreement.blocker);
+            agreement.is_mixed |= first.is_some_and(|passed| passed != ray.passed);
+            first = first.or(Some(ray.passed));
+        }
+        let passed = first.unwrap_or(Rgb::BLACK);
+        agreement.transmittance = passed * self.sender.exposed_share(self.exitant);
+        agreement
+    }
+
+    /// Casts one of `side`² rays. `None` where the surfaces that it was to join do not face each other.
+    fn ray(&self, ray: u32, side: u32, stats: &mut LinkStats) -> Option<Cast> {
+        let seed = hash::mix(self.sender.id.node, self.receiver_node);
+        let all = side * side;
+        let at = |i: u32, salt: u32| {
+            let jitter = |axis: u32| {
+                // One ray goes through the middle; more are spread within their strata.
+                if all == 1 {
+                    0.5
+                } else {
+                    0.02 + 0.96 * hash::unit(seed.wrapping_add(ray), salt + axis)
+                }
+            };
+            Vec2::new(
+                ((i % side) as f32 + jitter(0)) / side as f32,
+                ((i / side) as f32 + jitter(1)) / side as f32,
+            )
+        };
+        // A fixed permutation pairs strata of the two ends that are not alike.
+        let seed_of = |salt: u32| hash::mix(seed, ray ^ salt);
+        let transposed = (ray % side) * side + ray / side;
+        let uv = at((transposed + all / 2) % all, 20);
+        let (from, to) = self.ends((uv, seed_of(0x5555)), (at(ray, 10), seed_of(0)))?;
+        let offset = to.point - from.point;
+        let squared = offset.length_squared();
+        let direction = offset / squared.sqrt();
+        // What is near counts for more, as it does in the form factor.
+        let cosines = [from.normal.dot(direction), -to.normal.dot(direction)];
+        if squared <= 0.0 || cosines.iter().any(|&cosine| cosine <= 0.0) {
+            return None;
+        }
+        let ends = [from.patch, to.patch];
+        let (passed, blocker) = self.occluders.passage(from.point, to.point, ends);
+        stats.rays += 1;
+        Some(Cast {
+            to: to.node,
+            direction,
+            weight: cosines[0] * cosines[1] / squared,
+            passed,
+            blocker: (blocker != NO_PATCH).then_some(blocker),
+        })
     }
 
     /// Radiance of an element towards `direction` over its mean: light passes where it is sent to.
@@ -164,8 +186,8 @@ impl Rays<'_> {
             let mut id = cluster;
             let mut salt = attempt * 64;
             while self.hierarchy.element_of(id).is_none() {
-                let total: f32 = self.hierarchy.children(id).map(&weight).sum();
-                let mut left = hash::unit(seed, salt) * total;
+                // What its children weigh together.
+                let mut left = hash::unit(seed, salt) * weight(id);
                 salt += 1;
                 let mut chosen = None;
                 for child in self.hierarchy.children(id) {
@@ -191,6 +213,37 @@ impl Rays<'_> {
             })
         })
     }
+}
+
+/// How many rays weigh a weak link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Few {
+    One,
+    Two,
+}
+
+/// What few rays found.
+#[derive(Default)]
+pub(super) struct Agreement {
+    /// Of the first of them.
+    pub(super) transmittance: Rgb,
+    /// The rays differ.
+    pub(super) is_mixed: bool,
+    /// A patch that hid a ray.
+    pub(super) blocker: Option<u32>,
+}
+
+/// A ray that was cast.
+struct Cast {
+    /// The element that it goes to.
+    to: NodeId,
+    /// Unit.
+    direction: Vec3,
+    /// Its share of the form factor, but for a constant.
+    weight: f32,
+    passed: Rgb,
+    /// A patch that hid it.
+    blocker: Option<u32>,
 }
 
 /// What rays between two ends found.
