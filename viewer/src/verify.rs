@@ -6,16 +6,13 @@
 
 use crate::ways::cpu::{Looker, towards};
 use rayon::prelude::*;
-use sheen_solver::path::{Probe, Probes, Sampler};
+use sheen_solver::path::{Aim, Probe, Probes, Sampler};
 use sheen_solver::{Observer, PathTracer, Progress, Rgb, Solution};
 
 /// Probes between two reports.
 const BATCH: u32 = 1 << 12;
 /// Standard deviations to either side of 95 % of a normal distribution.
 const NORMAL_95: f64 = 1.959_964;
-
-/// A mean of squares is well above its noise when that is below this share of it.
-const CLEAR: f64 = 0.4;
 
 /// A figure, and the ends of the interval that holds the true one in 95 of 100 runs.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -61,14 +58,27 @@ pub struct Verification {
     pub materials: Vec<OfMaterial>,
 }
 
-/// One probe: the solution's radiance, and two samples of the truth [mean over channels]; square errors are summed
-/// over channels before their mean.
+/// One probe, times its weight: error of the solution's radiance against two samples of the truth [mean over channels];
+/// square errors are summed over channels before their mean.
 #[derive(Clone, Copy, Debug)]
 struct Met {
     material: u32,
+    weight: f64,
     difference: f64,
     truth: f64,
     square: f64,
+}
+
+impl Met {
+    fn nothing(material: u32) -> Self {
+        Self {
+            material,
+            weight: 0.0,
+            difference: 0.0,
+            truth: 0.0,
+            square: 0.0,
+        }
+    }
 }
 
 /// Holds `solution` against paths through its scene at `probes` random places; stopped by the observer, at those that
@@ -82,10 +92,14 @@ pub fn verify(
 ) -> Option<Verification> {
     let looker = Looker::new(solution, &[]);
     let hold = |probe: &Probe, sampler: &mut Sampler| {
+        if probe.weight <= 0.0 {
+            return Some(Met::nothing(probe.material));
+        }
         let stored = look(solution, &looker, probe);
         Some(hold(stored, tracer, probe, sampler))
     };
-    hold_all(solution, tracer, probes, seed, observer, &hold)
+    let places = Probes::new(tracer, Aim::Highlights);
+    hold_all(solution, &places, probes, seed, observer, &hold)
 }
 
 /// Holds the `solution` of a furnace ([`sheen_solver::solve::solve_furnace`]) against the one `radiance` that it has
@@ -110,23 +124,24 @@ pub fn verify_furnace(
         let is_dark = stored.is_black() || look(solution, &looker, &opposite).is_black();
         (!is_dark).then(|| Met {
             material: probe.material,
+            weight: 1.0,
             difference: error.iter().sum::<f64>() / 3.0,
             truth: f64::from(radiance),
             square: error.iter().map(|e| e * e).sum::<f64>() / 3.0,
         })
     };
-    hold_all(solution, tracer, probes, seed, observer, &hold)
+    let places = Probes::new(tracer, Aim::Even);
+    hold_all(solution, &places, probes, seed, observer, &hold)
 }
 
 fn hold_all(
     solution: &Solution,
-    tracer: &PathTracer,
+    places: &Probes<'_>,
     probes: u32,
     seed: u32,
     observer: &mut dyn Observer,
     hold: &(impl Fn(&Probe, &mut Sampler) -> Option<Met> + Sync),
 ) -> Option<Verification> {
-    let places = Probes::new(tracer);
     let mut met: Vec<Met> = Vec::new();
     for first in (0..probes).step_by(BATCH as usize) {
         let batch = first..probes.min(first + BATCH);
@@ -175,38 +190,45 @@ fn hold(stored: Rgb, tracer: &PathTracer, probe: &Probe, sampler: &mut Sampler) 
         eye,
         direction,
         material,
+        weight,
     } = *probe;
     let stored = stored - tracer.emitted(eye, direction);
     let truth = [(); 2].map(|()| tracer.reflected(eye, direction, sampler));
     let [first, second] = truth.map(|sample| (stored - sample).to_array().map(f64::from));
     let square: f64 = first.iter().zip(second).map(|(a, b)| a * b).sum();
     let truth = 0.5 * f64::from(truth[0].mean() + truth[1].mean());
+    let weight = f64::from(weight);
     Met {
         material,
-        difference: f64::from(stored.mean()) - truth,
-        truth,
-        square: square / 3.0,
+        weight,
+        difference: weight * (f64::from(stored.mean()) - truth),
+        truth: weight * truth,
+        square: weight * square / 3.0,
     }
 }
 
 /// Means over some probes, with their intervals: `None` below two.
 fn errors<'a>(met: impl Iterator<Item = &'a Met> + Clone) -> Option<Errors> {
     let count = met.clone().count();
-    if count < 2 {
+    let sum = |of: &dyn Fn(&Met) -> f64| met.clone().map(of).sum::<f64>();
+    let weights = sum(&|one| one.weight);
+    if count < 2 || weights <= 0.0 {
         return None;
     }
-    let n = count as f64;
-    let mean = |of: &dyn Fn(&Met) -> f64| met.clone().map(of).sum::<f64>() / n;
-    let radiance = mean(&|one| one.truth);
+    let radiance = sum(&|one| one.truth) / weights;
     let per_radiance = if radiance > 0.0 { 1.0 / radiance } else { 0.0 };
-    let bias = mean(&|one| one.difference) * per_radiance;
-    // A ratio of means, linearised.
-    let spread = mean(&|one| (one.difference - bias * one.truth).powi(2));
-    let margin = NORMAL_95 * (spread / (n - 1.0)).sqrt() * per_radiance;
-    let square = mean(&|one| one.square);
-    let square_spread = mean(&|one| (one.square - square).powi(2));
-    let [square_low, square_high] = interval(square, (square_spread / (n - 1.0)).sqrt());
+    let bias = sum(&|one| one.difference) / weights * per_radiance;
+    // Ratios of means, linearised.
+    let unbiased = count as f64 / (count as f64 - 1.0);
+    let spread = sum(&|one| (one.difference - bias * one.truth).powi(2));
+    let margin = NORMAL_95 * (spread * unbiased).sqrt() / weights * per_radiance;
+    let square = sum(&|one| one.square) / weights;
+    let off = |one: &Met| one.square - square * one.weight;
+    let squares = sum(&|one| off(one).powi(2)) * unbiased;
+    let skewness = sum(&|one| off(one).powi(3)) / squares.powf(1.5);
+    let ends = interval(square, squares.sqrt() / weights, skewness);
     let root = |square: f64| square.max(0.0).sqrt() * per_radiance;
+    let [low, high] = ends.map(root);
     Some(Errors {
         probes: count,
         radiance,
@@ -217,19 +239,23 @@ fn errors<'a>(met: impl Iterator<Item = &'a Met> + Clone) -> Option<Errors> {
         },
         rms: Estimate {
             value: root(square),
-            low: root(square_low),
-            high: root(square_high),
+            low,
+            high,
         },
     })
 }
 
-/// The interval of a mean of squares with this standard error. Few large squares make it skewed where it is well above
-/// its noise: there its logarithm is nearer to normal.
-fn interval(mean: f64, error: f64) -> [f64; 2] {
-    let relative = error / mean;
-    if mean > 0.0 && relative < CLEAR {
-        [-NORMAL_95, NORMAL_95].map(|side| mean * (side * relative).exp())
-    } else {
-        [-NORMAL_95, NORMAL_95].map(|side| mean + side * error)
-    }
+/// The interval of a mean with this standard error, whose terms are skewed by few large ones: `skewness` is that of the
+/// mean. Hall, *On the removal of skewness by transformation* (1992): t + γ t²/3 + γ² t³/27 + γ/6 is nearly normal.
+fn interval(mean: f64, error: f64, skewness: f64) -> [f64; 2] {
+    /// Below this the cubic is a straight line to double precision.
+    const STRAIGHT: f64 = 1e-6;
+    let inverse = |normal: f64| {
+        if skewness.abs() > STRAIGHT {
+            ((1.0 + skewness * (normal - skewness / 6.0)).cbrt() - 1.0) * 3.0 / skewness
+        } else {
+            normal
+        }
+    };
+    [NORMAL_95, -NORMAL_95].map(|side| mean - error * inverse(side))
 }

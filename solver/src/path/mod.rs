@@ -18,7 +18,7 @@ mod sampler;
 mod scatter;
 mod surface;
 
-pub use probe::{Probe, Probes};
+pub use probe::{Aim, Probe, Probes};
 pub use sampler::Sampler;
 
 use crate::hierarchy::NONE;
