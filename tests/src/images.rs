@@ -4,11 +4,8 @@ use sheen_formats::image::{Image, read_exr};
 use sheen_solver::{Camera, Solution};
 use sheen_viewer::camera::View;
 use sheen_viewer::compare::{Comparison, compare};
-use sheen_viewer::ways::cpu;
+use sheen_viewer::ways::{ACROSS, cpu};
 use std::path::Path;
-
-/// Samples along a side of a pixel: 16 a pixel.
-const ACROSS: u32 = 4;
 
 /// The image of `solution` from `camera`, made on the processor.
 pub fn render(solution: &Solution, camera: &Camera) -> Image {

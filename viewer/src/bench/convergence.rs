@@ -9,8 +9,6 @@ use sheen_formats::image::Image;
 use sheen_solver::{Observer, PathTracer, Quality, Scene, SolveConfig, SolveError, solve};
 use std::fmt::Write;
 
-/// Samples across and down in a pixel of the pictures that are compared.
-const ACROSS: u32 = 4;
 /// Pictures are averaged over blocks of so many pixels a side first: less noise of the reference.
 const DOWNSAMPLE: u32 = 2;
 
@@ -124,7 +122,7 @@ pub fn climb(
             ..SolveConfig::default()
         };
         let solution = solve(scene, &config, observer)?;
-        let image = ways::cpu::render(&solution, view, ACROSS);
+        let image = ways::cpu::render(&solution, view, ways::ACROSS);
         let compared = compare(&image, &truth.image, DOWNSAMPLE, None)?;
         let Some(found) = verify(&solution, &tracer, probes, 0, observer) else {
             break;

@@ -39,7 +39,7 @@ pub(super) struct Args {
     /// Pixels [default: as the camera]
     #[arg(long, value_parser = values::size, value_name = "WxH")]
     size: Option<(u32, u32)>,
-    /// Samples per pixel: of a solution [default: 16] rounded up to a square, at most 1024; of paths [default: 64, or
+    /// Samples per pixel: of a solution [default: 64] rounded up to a square, at most 1024; of paths [default: 64, or
     /// as many as --time-limit gives]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=MOST_PATHS), value_name = "N")]
     spp: Option<u32>,
@@ -69,7 +69,7 @@ const MOST_PATHS: i64 = 1 << 24;
 /// And of a solution, which has no noise.
 const MOST_OF_SOLUTION: u32 = 1024;
 /// Samples per pixel unless told.
-const OF_SOLUTION: u32 = 16;
+const OF_SOLUTION: u32 = ways::ACROSS * ways::ACROSS;
 const OF_PATHS: u32 = 64;
 
 #[derive(Clone, Debug, PartialEq)]

@@ -75,7 +75,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 fn write_picture(solution: &Solution, camera: &Camera, path: &Path) -> anyhow::Result<()> {
     let view = View::new(camera, solution.bounds())?;
-    let rendered = ways::render(solution, &view, 4, false);
+    let rendered = ways::render(solution, &view, ways::ACROSS, false);
     if let Some(reason) = &rendered.fallback {
         note(&format!("{reason}; rendering on the processor instead"));
     }

@@ -49,6 +49,10 @@ pub fn render(solution: &Solution, view: &View, across: u32, cpu: bool) -> Rende
     }
 }
 
+/// Samples across and down a pixel of a picture. They stand in rows: what an edge that runs along one covers of a pixel
+/// is known to half of the distance between them, here a sixteenth.
+pub const ACROSS: u32 = 8;
+
 /// Smallest square number of samples per pixel that is at least `samples`, as its root.
 pub fn samples_across(samples: u32) -> u32 {
     let root = samples.isqrt();
