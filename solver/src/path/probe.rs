@@ -73,18 +73,17 @@ impl<'a> Probes<'a> {
             lobes: tracer.frame.materials.iter().map(lobe).collect(),
             sides: Vec::new(),
         };
-        let numbers: Vec<u32> = (0..tracer.triangles.len() as u32).collect();
-        // Area, and what its lobe reflects of the lamps' light, were nothing between.
-        let known: Vec<(Side, f64, f64)> = numbers
-            .par_iter()
-            .flat_map_iter(|&index| probes.sides_of(index))
+        let known: Vec<(Side, f64, f64)> = (0..tracer.triangles.len() as u32)
+            .into_par_iter()
+            .flat_map_iter(|index| probes.sides_of(index))
             .collect();
         let sum = |of: fn(&(Side, f64, f64)) -> f64| known.iter().map(of).sum::<f64>();
         let (area, bright) = (sum(|side| side.1), sum(|side| side.2));
         let mut up_to = 0.0;
         for (side, own, shine) in known {
             let even = own / area;
-            let share = if bright > 0.0 {
+            // A lamp within rounding of a surface has no finite brightness there.
+            let share = if bright > 0.0 && bright.is_finite() {
                 0.5 * (even + shine / bright)
             } else {
                 even
@@ -99,7 +98,8 @@ impl<'a> Probes<'a> {
         probes
     }
 
-    /// The sides of a triangle that reflect, the area of each, and how bright the highlights on it may be.
+    /// The sides of a triangle that reflect, the area of each, and what its lobe would reflect of the lamps' light, were
+    /// nothing between.
     fn sides_of(&self, index: u32) -> Vec<(Side, f64, f64)> {
         let frame = &self.tracer.frame;
         let triangle = &self.tracer.triangles[index as usize];
