@@ -9,7 +9,7 @@
 //! Cost: one evaluation of the function per corner and per centre of a cell.
 
 use super::octahedron::{self, Corners};
-use super::packed;
+use super::packed::{self, Part};
 use crate::radiometry::Rgb;
 use glam::Vec3;
 use rustc_hash::FxHashMap;
@@ -40,7 +40,7 @@ pub trait Source {
 /// How finely to project.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// Every cell is split at least this often.
+    /// Every cell above the horizon is split at least this often, and once in any case.
     pub min_level: u32,
     /// And at most this often.
     pub max_level: u32,
@@ -193,7 +193,7 @@ impl Projector {
         if cell.below_horizon || level >= how.max_level {
             return false;
         }
-        if level < how.min_level {
+        if level < how.min_level.max(1) {
             return true;
         }
         let values = cell.vertices.map(|v| self.values[v as usize]);
@@ -286,38 +286,26 @@ impl Projector {
         } else {
             1.0
         };
-        let start = words.len();
-        words.push(scale.to_bits());
-        words.extend([0; 8]);
-        let mut leaves = 0;
-        // (cell, position of its node word relative to start)
-        let mut pending: Vec<(u32, usize)> = (0..8)
-            .rev()
-            .map(|octant| (octant, 1 + octant as usize))
-            .collect();
-        while let Some((index, slot)) = pending.pop() {
+        let encoded = |vertex: u32| packed::encode(self.values[vertex as usize] * (factor / scale));
+        let part = |index: u32| {
             let cell = self.cells[index as usize];
-            let position = words.len() - start;
-            if cell.first_child != 0 {
-                words[start + slot] = position as u32;
-                words.extend([0; 4]);
-                pending.extend(
-                    (0..4)
-                        .rev()
-                        .map(|child| (cell.first_child + child, position + child as usize)),
-                );
-            } else if !cell.below_horizon {
-                let colours = cell
-                    .vertices
-                    .map(|v| packed::encode(self.values[v as usize] * (factor / scale)));
-                if colours != [0; 3] {
-                    words[start + slot] = position as u32 | packed::LEAF;
-                    words.extend(colours);
-                    leaves += 1;
-                }
+            if cell.first_child == 0 {
+                return if cell.below_horizon {
+                    Part::Black
+                } else {
+                    Part::Leaf
+                };
             }
-        }
-        leaves
+            let children = [0, 1, 2, 3].map(|child| cell.first_child + child);
+            let [a, b, c] = cell.vertices;
+            // The middle child's corners.
+            let [m12, m20, m01] = self.cells[children[3] as usize].vertices;
+            Part::Split {
+                children,
+                colours: [a, b, c, m12, m20, m01].map(encoded),
+            }
+        };
+        packed::pack(scale, [0, 1, 2, 3, 4, 5, 6, 7], part, words)
     }
 }
 
@@ -363,7 +351,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_constant_takes_the_minimum_level_only() {
-        for min_level in 0..4 {
+        for min_level in 1..4 {
             let mut words = Vec::new();
             let how = Projection { min_level, ..HOW };
             let cost = Projector::default().project(&mut Plain(|_| 3.0), &how, &mut words);
@@ -440,6 +428,47 @@ pub(super) mod tests {
             }
         }
         assert_eq!(deepest, 6);
+    }
+
+    #[test]
+    fn what_is_packed_is_what_the_cells_hold() {
+        let mut projector = Projector::default();
+        for seed in 0..60 {
+            let mut words = Vec::new();
+            let how = Projection {
+                min_level: seed % 3,
+                horizon: (seed % 2 == 0).then(|| direction(seed)),
+                ..HOW
+            };
+            let cost = projector.project(&mut Plain(peaks(seed)), &how, &mut words);
+            assert!(packed::is_well_formed(&words), "{seed}");
+            let (leaves, depth) = packed::leaves_and_depth(&words);
+            assert_eq!(leaves as u64, cost.basis_functions, "{seed}");
+            let deepest = projector.leaves().map(|cell| cell.level).max();
+            assert_eq!(deepest, Some(depth as u8), "{seed}");
+            let peak = projector.values.iter().fold(0.0f32, |m, v| m.max(v.g));
+            for i in 0..500 {
+                let d = direction(1000 * seed + i);
+                let mut cell = projector.cells[octahedron::octant(d)];
+                while cell.first_child != 0 {
+                    let corners = projector.corners(&cell);
+                    let midpoints = octahedron::edge_midpoints(corners);
+                    let child = octahedron::child_of(corners, midpoints, d);
+                    cell = projector.cells[cell.first_child as usize + child];
+                }
+                let values = cell.vertices.map(|v| projector.values[v as usize].g);
+                let weights = octahedron::barycentric(projector.corners(&cell), d);
+                let held = weights.dot(Vec3::from(values));
+                let expected = if cell.below_horizon { 0.0 } else { held };
+                let found = packed::evaluate(&words, d).g;
+                // Nine bits of mantissa; 31 binary orders below the largest value.
+                let rounding = expected / 500.0 + peak * 2f32.powi(-24);
+                assert!(
+                    (found - expected).abs() <= rounding,
+                    "{seed}: {found} {expected}"
+                );
+            }
+        }
     }
 
     #[test]

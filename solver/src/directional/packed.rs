@@ -6,10 +6,13 @@
 //! |---|---|
 //! | 0 | scale, the bits of an f32 power of two; every colour is multiplied by it |
 //! | 1..9 | the node words of the eight octants (order of [`octahedron::octant`]) |
-//! | … | groups of four node words (children 0..3) and groups of three colours (corners 0..2), mixed |
+//! | … | groups, one for each node that is split |
 //!
-//! A node word is 0 (black: no light, or below the horizon), or a position `p` relative to the start of the
-//! distribution, with [`LEAF`] set when three colours stand at `p` and clear when four node words do.
+//! A node word is 0 (black: no light, or below the horizon), or that of a node that is split into four children. Bit
+//! 28 + i: child i is a leaf that holds light; bit 24 + i: child i is split itself; neither: it is black. The bits
+//! below are the position of its group relative to the start of the distribution: first the node words of the children
+//! that are split, in their order; then, if any child is a leaf, six colours: those at the node's corners 0..2 and at
+//! the midpoints of the edges opposite to them, which four leaves share.
 //! A colour is RGB9E5 (shared exponent, as in `EXT_texture_shared_exponent`).
 //! Radiance towards a direction is the linear interpolation of the three colours of the leaf that holds it, with
 //! [`octahedron::barycentric`] weights. Corners of neighbouring leaves agree, so the result is continuous.
@@ -18,8 +21,133 @@ use super::{cells, octahedron};
 use crate::radiometry::Rgb;
 use glam::Vec3;
 
-/// Set in a node word whose position is that of three colours.
-pub const LEAF: u32 = 0x8000_0000;
+/// Words before the groups: scale and octants.
+const HEAD: usize = 9;
+/// Colours of a group.
+const COLOURS: usize = 6;
+/// Which of a group's colours stand at the corners of each child.
+pub const CORNERS: [[usize; 3]; 4] = [[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]];
+/// Bits of a node word that are a position.
+const POSITION: u32 = 0x00ff_ffff;
+
+/// A node word, taken apart.
+#[derive(Clone, Copy)]
+struct Node(u32);
+
+/// A child of a node.
+#[derive(Clone, Copy)]
+enum Child {
+    Black,
+    /// Its three colours stand at [`CORNERS`] after this position.
+    Leaf(usize),
+    /// Its node word stands at this position.
+    Split(usize),
+}
+
+impl Node {
+    fn split_mask(self) -> u32 {
+        self.0 >> 24 & 15
+    }
+
+    fn leaf_mask(self) -> u32 {
+        self.0 >> 28
+    }
+
+    /// Where its group starts.
+    fn position(self) -> usize {
+        (self.0 & POSITION) as usize
+    }
+
+    /// Where the colours of its group start.
+    fn colours(self) -> usize {
+        self.position() + self.split_mask().count_ones() as usize
+    }
+
+    /// Words of its group.
+    fn size(self) -> usize {
+        let colours = if self.leaf_mask() != 0 { COLOURS } else { 0 };
+        self.split_mask().count_ones() as usize + colours
+    }
+
+    fn child(self, child: usize) -> Child {
+        if self.leaf_mask() >> child & 1 != 0 {
+            Child::Leaf(self.colours())
+        } else if self.split_mask() >> child & 1 != 0 {
+            let before = self.split_mask() & ((1 << child) - 1);
+            Child::Split(self.position() + before.count_ones() as usize)
+        } else {
+            Child::Black
+        }
+    }
+}
+
+/// Part of a tree that is to be packed.
+pub enum Part<T> {
+    /// Without light.
+    Black,
+    /// Not split.
+    Leaf,
+    /// Split into `children`; `colours` stand at its corners and at the midpoints of the edges opposite to them.
+    Split {
+        /// Children in the order of [`octahedron::child_corners`].
+        children: [T; 4],
+        /// RGB9E5.
+        colours: [u32; COLOURS],
+    },
+}
+
+/// Appends to `words` the distribution that consists of `octants`, which are black or split; `part` takes each part
+/// apart. Returns the number of leaves that hold light: the others are left out.
+pub fn pack<T>(
+    scale: f32,
+    octants: [T; 8],
+    mut part: impl FnMut(T) -> Part<T>,
+    words: &mut Vec<u32>,
+) -> u64 {
+    let start = words.len();
+    words.push(scale.to_bits());
+    words.extend([0; 8]);
+    let mut leaves = 0;
+    // A split part, position of its node word relative to the start.
+    let mut pending = Vec::new();
+    for (octant, slot) in octants.into_iter().zip(1..HEAD).rev() {
+        if let Part::Split { children, colours } = part(octant) {
+            pending.push((children, colours, slot));
+        }
+    }
+    while let Some((children, colours, slot)) = pending.pop() {
+        let position = words.len() - start;
+        let (mut node, mut split) = (position as u32 & POSITION, 0);
+        let first = pending.len();
+        for (child, inner) in children.into_iter().enumerate() {
+            match part(inner) {
+                Part::Black => {}
+                Part::Leaf => {
+                    if CORNERS[child].iter().any(|&corner| colours[corner] != 0) {
+                        node |= 1 << (28 + child);
+                        leaves += 1;
+                    }
+                }
+                Part::Split { children, colours } => {
+                    node |= 1 << (24 + child);
+                    pending.push((children, colours, position + split));
+                    split += 1;
+                }
+            }
+        }
+        pending[first..].reverse();
+        let node = Node(node);
+        if node.size() == 0 {
+            continue;
+        }
+        words[start + slot] = node.0;
+        words.extend(std::iter::repeat_n(0, split));
+        if node.leaf_mask() != 0 {
+            words.extend(colours);
+        }
+    }
+    leaves
+}
 
 /// Radiance [W·sr⁻¹·m⁻²] of the distribution that starts at `words[0]`, towards `direction` (unit, leaving the
 /// surface).
@@ -30,21 +158,23 @@ pub fn evaluate(words: &[u32], direction: Vec3) -> Rgb {
     let (mut at, mut cell) = (0, &cells[0]);
     let mut deeper;
     while node != 0 {
-        let position = (node & !LEAF) as usize;
-        if node & LEAF != 0 {
-            let weights = cell.barycentric(direction);
-            let colour = |corner: usize| decode(words[position + corner]);
-            let sum = colour(0) * weights.x + colour(1) * weights.y + colour(2) * weights.z;
-            return sum * f32::from_bits(words[0]);
-        }
         let child = cell.child_of(direction);
-        node = words[position + child];
         at = cells::child(at, child).min(cells.len());
         cell = match cells.get(at) {
             Some(cell) => cell,
             None => {
                 deeper = cell.child(child);
                 &deeper
+            }
+        };
+        node = match Node(node).child(child) {
+            Child::Black => 0,
+            Child::Split(position) => words[position],
+            Child::Leaf(position) => {
+                let weights = cell.barycentric(direction);
+                let colour = |corner: usize| decode(words[position + CORNERS[child][corner]]);
+                let sum = colour(0) * weights.x + colour(1) * weights.y + colour(2) * weights.z;
+                return sum * f32::from_bits(words[0]);
             }
         };
     }
@@ -62,6 +192,9 @@ pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) 
             *cosine = angle.cos();
         }
     }
+    let is_outside = |corners, level: usize| {
+        octahedron::centre(corners).dot(axis) < reach[level.min(octahedron::MAX_LEVEL)]
+    };
     let (mut low, mut high) = (f32::INFINITY, 0.0f32);
     // Depth first: three waiting siblings a level, and the octants.
     let mut pending = [(0, [Vec3::ZERO; 3], 0); 8 + 3 * MAX_DEPTH];
@@ -72,27 +205,31 @@ pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) 
     while waiting > 0 {
         waiting -= 1;
         let (node, corners, level) = pending[waiting];
-        if octahedron::centre(corners).dot(axis) < reach[level.min(octahedron::MAX_LEVEL)] {
+        if is_outside(corners, level) {
             continue;
         }
         if node == 0 {
             low = 0.0;
             continue;
         }
-        let position = (node & !LEAF) as usize;
-        if node & LEAF != 0 {
-            for &word in &words[position..position + 3] {
-                let value = decode(word).mean();
-                low = low.min(value);
-                high = high.max(value);
-            }
-            continue;
-        }
         let midpoints = octahedron::edge_midpoints(corners);
         for child in 0..4 {
-            let corners = octahedron::child_corners(corners, midpoints, child);
-            pending[waiting] = (words[position + child], corners, level + 1);
-            waiting += 1;
+            let inner = octahedron::child_corners(corners, midpoints, child);
+            match Node(node).child(child) {
+                Child::Split(position) => {
+                    pending[waiting] = (words[position], inner, level + 1);
+                    waiting += 1;
+                }
+                _ if is_outside(inner, level + 1) => {}
+                Child::Black => low = 0.0,
+                Child::Leaf(position) => {
+                    for corner in CORNERS[child] {
+                        let value = decode(words[position + corner]).mean();
+                        low = low.min(value);
+                        high = high.max(value);
+                    }
+                }
+            }
         }
     }
     let scale = f32::from_bits(words[0]);
@@ -107,21 +244,18 @@ pub fn peak(words: &[u32]) -> f32 {
 /// Number of leaves that hold colours, and the largest depth, of the distribution that starts at `words[0]`.
 pub fn leaves_and_depth(words: &[u32]) -> (usize, usize) {
     fn visit(words: &[u32], node: u32, depth: usize) -> (usize, usize) {
-        if node == 0 {
-            return (0, depth);
+        let mut sum = (0, depth);
+        for child in 0..4 {
+            let (leaves, deepest) = match Node(node).child(child) {
+                Child::Black => (0, depth),
+                Child::Leaf(_) => (1, depth + 1),
+                Child::Split(position) => visit(words, words[position], depth + 1),
+            };
+            sum = (sum.0 + leaves, sum.1.max(deepest));
         }
-        if node & LEAF != 0 {
-            return (1, depth);
-        }
-        let position = node as usize;
-        words[position..position + 4]
-            .iter()
-            .fold((0, depth), |(leaves, deepest), &child| {
-                let (l, d) = visit(words, child, depth + 1);
-                (leaves + l, deepest.max(d))
-            })
+        sum
     }
-    (1..9).fold((0, 0), |(leaves, deepest), octant| {
+    (1..HEAD).fold((0, 0), |(leaves, deepest), octant| {
         let (l, d) = visit(words, words[octant], 0);
         (leaves + l, deepest.max(d))
     })
@@ -137,24 +271,23 @@ pub fn is_well_formed(words: &[u32]) -> bool {
         if node == 0 {
             return true;
         }
-        if depth > MAX_DEPTH || *budget == 0 {
+        let node = Node(node);
+        let (first, size) = (node.position(), node.size());
+        let masks_agree = node.leaf_mask() & node.split_mask() == 0;
+        if depth >= MAX_DEPTH || size == 0 || size > *budget || !masks_agree {
             return false;
         }
-        *budget -= 1;
-        let position = (node & !LEAF) as usize;
-        if node & LEAF != 0 {
-            return position >= 9 && position + 3 <= words.len();
-        }
-        position >= 9
-            && position + 4 <= words.len()
-            && words[position..position + 4]
+        *budget -= size;
+        first >= HEAD
+            && first + size <= words.len()
+            && words[first..node.colours()]
                 .iter()
                 .all(|&child| visit(words, child, depth + 1, budget))
     }
     let mut budget = words.len();
-    words.len() >= 9
+    words.len() >= HEAD
         && f32::from_bits(words[0]).is_finite()
-        && (1..9).all(|octant| visit(words, words[octant], 0, &mut budget))
+        && (1..HEAD).all(|octant| visit(words, words[octant], 0, &mut budget))
 }
 
 const MANTISSA_BITS: i32 = 9;

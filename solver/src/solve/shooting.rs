@@ -293,6 +293,7 @@ impl<'a> Shooting<'a> {
     /// Makes what `new` samples leave the unshot light.
     fn reflected_new(&mut self, new: &SampleSets, emitted: f64) -> Ledger {
         let started = Instant::now();
+        self.unshot = Exitant::default();
         let config = self.reflect_config(emitted);
         let (unshot, _, ledger) = self.reflected(new, &config, false);
         self.unshot = unshot;
@@ -413,6 +414,7 @@ impl<'a> Shooting<'a> {
     fn finish(mut self) -> Transported {
         let started = Instant::now();
         let config = self.reflect_config(self.stats.solve.emitted_w);
+        self.unshot = Exitant::default();
         let samples = std::mem::take(&mut self.accumulated);
         let (mut total, irradiance, ledger) = self.reflected(&samples, &config, true);
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();

@@ -1,7 +1,8 @@
 // Packed directional distributions: the twin of `packed::evaluate` and `octahedron` in sheen-solver.
 // Needs a global `words: array<u32>`.
 
-const LEAF: u32 = 0x80000000u;
+// Bits of a node word that are the position of its group.
+const POSITION: u32 = 0x00ffffffu;
 // Deepest subdivision that a distribution may have (`packed::MAX_DEPTH`).
 const MAX_DEPTH: u32 = 16u;
 
@@ -46,28 +47,25 @@ fn evaluate_distribution(start: u32, direction: vec3<f32>) -> vec3<f32> {
         if node == 0u {
             break;
         }
-        let position = start + (node & ~LEAF);
-        if (node & LEAF) != 0u {
-            let weights = barycentric(a, b, c, direction);
-            let colour = decode_rgb9e5(words[position]) * weights.x
-                + decode_rgb9e5(words[position + 1u]) * weights.y
-                + decode_rgb9e5(words[position + 2u]) * weights.z;
-            return colour * scale;
-        }
         let m12 = normalize(b + c);
         let m20 = normalize(c + a);
         let m01 = normalize(a + b);
         var child = 3u;
+        // Which of the group's colours (corners 0..2, midpoints opposite to them) stand at the child's corners.
+        var corners = vec3<u32>(3u, 4u, 5u);
         if is_beyond(m01, m20, a, direction) {
             child = 0u;
+            corners = vec3<u32>(0u, 5u, 4u);
             b = m01;
             c = m20;
         } else if is_beyond(m01, m12, b, direction) {
             child = 1u;
+            corners = vec3<u32>(5u, 1u, 3u);
             a = m01;
             c = m12;
         } else if is_beyond(m20, m12, c, direction) {
             child = 2u;
+            corners = vec3<u32>(4u, 3u, 2u);
             a = m20;
             b = m12;
         } else {
@@ -75,7 +73,20 @@ fn evaluate_distribution(start: u32, direction: vec3<f32>) -> vec3<f32> {
             b = m20;
             c = m01;
         }
-        node = words[position + child];
+        let position = start + (node & POSITION);
+        let split_mask = extractBits(node, 24u, 4u);
+        if (node & (1u << (28u + child))) != 0u {
+            let weights = barycentric(a, b, c, direction);
+            let at = vec3<u32>(position + countOneBits(split_mask)) + corners;
+            let colour = decode_rgb9e5(words[at.x]) * weights.x
+                + decode_rgb9e5(words[at.y]) * weights.y
+                + decode_rgb9e5(words[at.z]) * weights.z;
+            return colour * scale;
+        }
+        if (split_mask & (1u << child)) == 0u {
+            break;
+        }
+        node = words[position + countOneBits(extractBits(split_mask, 0u, child))];
     }
     return vec3<f32>(0.0);
 }

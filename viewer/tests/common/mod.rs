@@ -3,7 +3,8 @@
 
 use glam::Vec3;
 use sheen_formats::image::Image;
-use sheen_solver::directional::{octahedron, packed};
+use sheen_solver::directional::octahedron;
+use sheen_solver::directional::packed::{self, Part};
 use sheen_solver::solution::NO_DISTRIBUTION;
 use sheen_solver::{Camera, Gloss, Material, Rgb, Solution};
 use sheen_viewer::gpu::Gpu;
@@ -23,60 +24,40 @@ pub(crate) fn gpu(test: &str) -> Option<Gpu> {
     }
 }
 
-/// Packs `radiance` into a full tree of this level; faces below the horizon of `normal` stay black.
+/// Packs `radiance` into a full tree of this level, one at least; faces below the horizon of `normal` stay black.
 pub(crate) fn pack(
     level: usize,
     normal: Vec3,
     scale: f32,
     radiance: &dyn Fn(Vec3) -> Rgb,
 ) -> Vec<u32> {
-    struct Packer<'a> {
-        words: Vec<u32>,
-        level: usize,
-        normal: Vec3,
-        scale: f32,
-        radiance: &'a dyn Fn(Vec3) -> Rgb,
-    }
-    impl Packer<'_> {
-        fn node(&mut self, corners: octahedron::Corners, depth: usize) -> u32 {
-            if corners.iter().all(|corner| corner.dot(self.normal) <= 0.0) {
-                return 0;
-            }
-            let position = self.words.len();
-            if depth == self.level {
-                let colours =
-                    corners.map(|corner| packed::encode((self.radiance)(corner) / self.scale));
-                self.words.extend(colours);
-                return position as u32 | packed::LEAF;
-            }
-            self.words.extend([0; 4]);
-            let midpoints = octahedron::edge_midpoints(corners);
-            for child in 0..4 {
-                let node = self.node(
-                    octahedron::child_corners(corners, midpoints, child),
-                    depth + 1,
-                );
-                self.words[position + child] = node;
-            }
-            position as u32
-        }
-    }
     assert_eq!(scale.to_bits() & 0x007f_ffff, 0, "a power of two");
-    let mut words = vec![0; 9];
-    words[0] = scale.to_bits();
-    let mut packer = Packer {
-        words,
-        level,
-        normal,
-        scale,
-        radiance,
+    let part = |(corners, depth): (octahedron::Corners, usize)| {
+        if corners.iter().all(|corner| corner.dot(normal) <= 0.0) {
+            return Part::Black;
+        }
+        if depth == level {
+            return Part::Leaf;
+        }
+        let midpoints = octahedron::edge_midpoints(corners);
+        let child = |child| {
+            (
+                octahedron::child_corners(corners, midpoints, child),
+                depth + 1,
+            )
+        };
+        let ([a, b, c], [m12, m20, m01]) = (corners, midpoints);
+        Part::Split {
+            children: [0, 1, 2, 3].map(child),
+            colours: [a, b, c, m12, m20, m01]
+                .map(|corner| packed::encode(radiance(corner) / scale)),
+        }
     };
-    for octant in 0..8 {
-        let node = packer.node(octahedron::octant_corners(octant), 0);
-        packer.words[1 + octant] = node;
-    }
-    assert!(packed::is_well_formed(&packer.words));
-    packer.words
+    let octants = [0, 1, 2, 3, 4, 5, 6, 7].map(|octant| (octahedron::octant_corners(octant), 0));
+    let mut words = Vec::new();
+    packed::pack(scale, octants, part, &mut words);
+    assert!(packed::is_well_formed(&words));
+    words
 }
 
 /// A lobe around `axis`.
