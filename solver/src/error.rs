@@ -121,6 +121,18 @@ pub enum SolveError {
         /// Its largest albedo.
         albedo: f32,
     },
+    /// Its data does not fit into the memory limit, at no quality.
+    #[error(
+        "the scene needs more than {} MiB, the memory limit is {} MiB: give a higher --memory-limit, or a scene of fewer triangles",
+        needed >> 20,
+        limit >> 20
+    )]
+    Memory {
+        /// As given [B].
+        limit: u64,
+        /// What was needed when the solve gave up [B]; all of it would be more.
+        needed: u64,
+    },
     /// The solution grew NaN or infinite.
     #[error("iteration {iteration}: the light of element {element} is not finite")]
     NotFinite {

@@ -213,7 +213,7 @@ pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) 
             continue;
         }
         let midpoints = octahedron::edge_midpoints(corners);
-        for child in 0..4 {
+        for (child, at) in CORNERS.iter().enumerate() {
             let inner = octahedron::child_corners(corners, midpoints, child);
             match Node(node).child(child) {
                 Child::Split(position) => {
@@ -223,7 +223,7 @@ pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) 
                 _ if is_outside(inner, level + 1) => {}
                 Child::Black => low = 0.0,
                 Child::Leaf(position) => {
-                    for corner in CORNERS[child] {
+                    for corner in at {
                         let value = decode(words[position + corner]).mean();
                         low = low.min(value);
                         high = high.max(value);

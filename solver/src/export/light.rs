@@ -30,12 +30,28 @@ pub(super) struct VertexLight {
     pub radiance: Rgb,
     /// Packed distribution of glossily reflected light.
     pub distribution: Option<Box<[u32]>>,
-    /// Links and rays that it took.
-    pub stats: LinkStats,
-    /// Cost of the reflection.
+    /// What it took.
+    pub cost: Cost,
+}
+
+/// What the light at vertices took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cost {
+    /// Links and rays.
+    pub links: LinkStats,
+    /// Of the reflection.
     pub brdf_evaluations: u64,
-    /// Cells of the distribution.
+    /// Cells of the distributions.
     pub basis_functions: u64,
+}
+
+impl Cost {
+    /// Adds another's.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.links.add(&other.links);
+        self.brdf_evaluations += other.brdf_evaluations;
+        self.basis_functions += other.basis_functions;
+    }
 }
 
 /// Everything that lights a vertex.
@@ -46,6 +62,8 @@ pub(super) struct Light<'a> {
     total: &'a Exitant,
     /// Irradiance per node of the transport.
     irradiance: &'a [Rgb],
+    /// Bytes of what it was made of.
+    held: usize,
     /// Typical irradiance of lit surfaces [mean over channels]: the square of the mean root, so that a few surfaces
     /// right beside lamps do not set the scale for all others.
     typical_irradiance: f32,
@@ -93,6 +111,7 @@ impl<'a> Light<'a> {
             prepared,
             settings,
             gather,
+            held: prepared.bytes() + transported.total.bytes(),
             total: &transported.total,
             irradiance: &transported.irradiance,
             typical_irradiance,
@@ -212,7 +231,8 @@ impl<'a> Light<'a> {
             lit.extend(batch);
             let share = (lit.len() - first) as f32 / (mesh.vertices.len() - first) as f32;
             let now = done.start + (done.end - done.start) * share;
-            if watch.report("light at vertices", now).is_break() {
+            let held = self.held + hierarchy.bytes() + mesh.bytes() + lit.bytes();
+            if watch.report("light at vertices", now, held).is_break() {
                 return;
             }
         }
@@ -233,7 +253,7 @@ impl<'a> Light<'a> {
         let bend = BEND_WEIGHT * hierarchy.bend(element);
         let mut gloss = Gloss::of(lobe, self.prepared.diffuse[material]);
         gloss.width = gloss.width.hypot(bend);
-        let stats = self.gather(
+        let links = self.gather(
             hierarchy,
             element,
             place.position,
@@ -260,9 +280,11 @@ impl<'a> Light<'a> {
             irradiance: reflected.irradiance,
             radiance: reflected.diffuse + self.emission(element).even,
             distribution: reflected.distribution,
-            stats,
-            brdf_evaluations: reflected.brdf_evaluations,
-            basis_functions: reflected.cost.basis_functions,
+            cost: Cost {
+                links,
+                brdf_evaluations: reflected.brdf_evaluations,
+                basis_functions: reflected.cost.basis_functions,
+            },
         }
     }
 
@@ -278,14 +300,16 @@ impl<'a> Light<'a> {
     /// Gives every vertex that is not in `lit` yet the mean of the leaves around it, weighted by area (§5.2).
     pub(super) fn average(&self, hierarchy: &Hierarchy, mesh: &Mesh, lit: &mut Lit) {
         let around = mesh.leaves_around(hierarchy);
-        let missing: Vec<VertexLight> = around[lit.len()..]
-            .par_iter()
-            .with_max_len(64)
-            .map_init(Projector::default, |projector, around| {
-                self.mean_of(hierarchy, around, projector)
-            })
-            .collect();
-        lit.extend(missing);
+        for around in around[lit.len()..].chunks(BATCH) {
+            let batch: Vec<VertexLight> = around
+                .par_iter()
+                .with_max_len(64)
+                .map_init(Projector::default, |projector, around| {
+                    self.mean_of(hierarchy, around, projector)
+                })
+                .collect();
+            lit.extend(batch);
+        }
     }
 
     fn mean_of(
@@ -335,10 +359,9 @@ impl<'a> Light<'a> {
             parts: &lit,
             area,
         };
-        light.basis_functions = projector
-            .project(&mut source, &how, &mut words)
-            .basis_functions;
-        if light.basis_functions > 0 {
+        let cost = projector.project(&mut source, &how, &mut words);
+        light.cost.basis_functions = cost.basis_functions;
+        if cost.basis_functions > 0 {
             light.distribution = Some(words.into_boxed_slice());
         }
         light

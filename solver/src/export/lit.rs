@@ -1,49 +1,68 @@
 //! Light at the vertices of the mesh, in their order, while it is found.
 
-use super::light::VertexLight;
+use super::light::{Cost, VertexLight};
+use crate::radiometry::Rgb;
+use crate::solution::NO_DISTRIBUTION;
 
 /// Vertices that have their light. Distributions stand one after the other, as the solution wants them: copied together
 /// at the end, they would be in memory twice.
 #[derive(Debug, Default)]
 pub(super) struct Lit {
-    vertices: Vec<VertexLight>,
-    /// Where each vertex's distribution starts, if it has one.
-    offsets: Vec<Option<u32>>,
+    irradiance: Vec<Rgb>,
+    radiance: Vec<Rgb>,
+    /// Where each vertex's distribution starts, or [`NO_DISTRIBUTION`].
+    offsets: Vec<u32>,
     words: Vec<u32>,
+    cost: Cost,
 }
 
 impl Lit {
     /// Adds the next vertex.
-    pub(super) fn push(&mut self, mut light: VertexLight) {
-        let offset = light.distribution.take().map(|words| {
-            let offset = self.words.len() as u32;
-            self.words.extend_from_slice(&words);
-            offset
+    pub(super) fn push(&mut self, light: VertexLight) {
+        self.irradiance.push(light.irradiance);
+        self.radiance.push(light.radiance);
+        self.offsets.push(match light.distribution {
+            Some(words) => {
+                let offset = self.words.len() as u32;
+                self.words.extend_from_slice(&words);
+                offset
+            }
+            None => NO_DISTRIBUTION,
         });
-        self.offsets.push(offset);
-        self.vertices.push(light);
+        self.cost.add(&light.cost);
     }
 
     /// Number of vertices.
     pub(super) fn len(&self) -> usize {
-        self.vertices.len()
+        self.radiance.len()
     }
 
-    /// What vertex `vertex` shows, its distribution aside.
-    pub(super) fn vertex(&self, vertex: u32) -> &VertexLight {
-        &self.vertices[vertex as usize]
+    /// Irradiance of a vertex.
+    pub(super) fn irradiance(&self, vertex: u32) -> Rgb {
+        self.irradiance[vertex as usize]
     }
 
-    /// All of them, with where their distributions start.
-    pub(super) fn vertices(&self) -> impl Iterator<Item = (&VertexLight, Option<u32>)> {
-        self.vertices.iter().zip(self.offsets.iter().copied())
+    /// What all of them cost.
+    pub(super) fn cost(&self) -> &Cost {
+        &self.cost
     }
 
-    /// All distributions.
-    pub(super) fn into_words(self) -> Vec<u32> {
+    /// Number of vertices that have a distribution.
+    pub(super) fn distribution_count(&self) -> u64 {
+        let is_one = |&&offset: &&u32| offset != NO_DISTRIBUTION;
+        self.offsets.iter().filter(is_one).count() as u64
+    }
+
+    /// Bytes that it takes.
+    pub(super) fn bytes(&self) -> usize {
+        self.len() * (2 * size_of::<Rgb>() + size_of::<u32>()) + size_of_val(&self.words[..])
+    }
+
+    /// Radiance that has no direction, starts of the distributions, all distributions.
+    pub(super) fn into_parts(self) -> (Vec<Rgb>, Vec<u32>, Vec<u32>) {
         let mut words = self.words;
         words.shrink_to_fit();
-        words
+        (self.radiance, self.offsets, words)
     }
 }
 

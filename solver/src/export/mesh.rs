@@ -92,6 +92,20 @@ impl Mesh {
         }
     }
 
+    /// Bytes that it takes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.vertices[..])
+            + size_of_val(&self.triangles[..])
+            + self.element_edges.len()
+            + self.index.capacity() * size_of::<(Key, u32)>()
+            + self.centres.capacity() * size_of::<(NodeId, u32)>()
+    }
+
+    /// Vertices, triangles, and which of their edges are those of elements.
+    pub(super) fn into_parts(self) -> (Vec<Vertex>, Vec<[u32; 3]>, Vec<u8>) {
+        (self.vertices, self.triangles, self.element_edges)
+    }
+
     /// Makes a vertex in the middle of a leaf.
     pub(super) fn add_centre(&mut self, hierarchy: &mut Hierarchy, element: &Element) {
         let vertex = Vertex {

@@ -13,10 +13,12 @@ use crate::radiometry::Rgb;
 use crate::scene::Scene;
 use crate::solution::{NO_DISTRIBUTION, Solution};
 use crate::solve::{Prepared, Transported, Watch};
+use crate::transport::exitant::Exitant;
+use crate::transport::illumination::SampleSets;
 use glam::Vec3;
 use light::Light;
 use lit::Lit;
-use mesh::Mesh;
+use mesh::{Mesh, Vertex};
 use std::time::Instant;
 
 /// Builds the solution. Leaves of the hierarchy are split further where the displayed light wants it.
@@ -28,10 +30,15 @@ pub(crate) fn export(
     watch: &mut Watch<'_>,
 ) -> Solution {
     let started = Instant::now();
+    // What the elements show was found from them.
+    transported.samples = SampleSets::default();
     let environment = prepared.environment();
     let mut hierarchy = std::mem::take(&mut transported.hierarchy);
-    let light = Light::new(prepared, settings, transported, &environment, &hierarchy);
     let gather = settings.gather && !watch.is_stopped();
+    if !gather {
+        transported.total.forget_clusters(&hierarchy);
+    }
+    let light = Light::new(prepared, settings, transported, &environment, &hierarchy);
     if gather {
         refine::split_large(prepared, settings, &light, &mut hierarchy);
     }
@@ -40,8 +47,15 @@ pub(crate) fn export(
     mesh.add_corners(&hierarchy);
     let mut lit = Lit::default();
     if gather {
-        let centres =
-            refine::gather_and_split(&mut hierarchy, &mut mesh, &light, &mut lit, settings, watch);
+        let centres = refine::gather_and_split(
+            &mut hierarchy,
+            &mut mesh,
+            &light,
+            &mut lit,
+            settings,
+            &prepared.detail,
+            watch,
+        );
         if !watch.is_stopped() {
             for (element, irradiance) in light.known_centres(&hierarchy, &centres) {
                 mesh.add_centre(&mut hierarchy, &element);
@@ -57,16 +71,17 @@ pub(crate) fn export(
         light.average(&hierarchy, &mesh, &mut lit);
     }
     let mut stats = transported.stats.clone();
-    for (vertex, distribution) in lit.vertices() {
-        stats.solve.vertex_links += vertex.stats.links;
-        stats.solve.rays += vertex.stats.rays;
-        stats.solve.brdf_evaluations += vertex.brdf_evaluations;
-        stats.solve.basis_functions += vertex.basis_functions;
-        stats.solve.distributions += u64::from(distribution.is_some());
-    }
+    let cost = lit.cost();
+    stats.solve.vertex_links += cost.links.links;
+    stats.solve.rays += cost.links.rays;
+    stats.solve.brdf_evaluations += cost.brdf_evaluations;
+    stats.solve.basis_functions += cost.basis_functions;
+    stats.solve.distributions += lit.distribution_count();
     stats.scene.triangles = scene.triangles().len() as u64;
-    let mut solution = assemble(scene, prepared, &hierarchy, &mesh, lit);
-    let _ = watch.report("export", 1.0);
+    let held = prepared.bytes() + hierarchy.bytes() + mesh.bytes() + lit.bytes();
+    transported.total = Exitant::default();
+    let mut solution = assemble(scene, prepared, &hierarchy, mesh, lit);
+    let _ = watch.report("export", 1.0, held);
     stats.solve.phases_s.export = started.elapsed().as_secs_f64();
     stats.solve.bytes.distributions = stats
         .solve
@@ -84,10 +99,11 @@ fn assemble(
     scene: &Scene,
     prepared: &Prepared,
     hierarchy: &Hierarchy,
-    mesh: &Mesh,
+    mesh: Mesh,
     lit: Lit,
 ) -> Solution {
     let frame = &prepared.frame;
+    let (vertices, triangles, element_edges) = mesh.into_parts();
     let mut solution = Solution {
         materials: scene.materials().to_vec(),
         cameras: scene.cameras().to_vec(),
@@ -97,26 +113,28 @@ fn assemble(
             .map(|t| t.map(|p| frame.position(p)))
             .collect(),
         glass_material: prepared.glass_material.clone(),
-        triangles: mesh.triangles.clone(),
-        element_edges: mesh.element_edges.clone(),
+        triangles,
+        element_edges,
         ..Solution::default()
     };
-    for (vertex, (light, distribution)) in mesh.vertices.iter().zip(lit.vertices()) {
-        solution
-            .position
-            .push(frame.position(hierarchy.points[vertex.point as usize]));
-        solution.normal.push(vertex.normal);
-        solution.radiance.push(frame.radiance(light.radiance));
-        solution.material.push(vertex.material);
-        let offset = distribution.unwrap_or(NO_DISTRIBUTION);
-        solution.distribution_offset.push(offset);
+    let position = |vertex: &Vertex| frame.position(hierarchy.points[vertex.point as usize]);
+    solution.position = vertices.iter().map(position).collect();
+    solution.normal = vertices.iter().map(|v| v.normal).collect();
+    solution.material = vertices.iter().map(|v| v.material).collect();
+    (
+        solution.radiance,
+        solution.distribution_offset,
+        solution.distribution_words,
+    ) = lit.into_parts();
+    for radiance in &mut solution.radiance {
+        *radiance = frame.radiance(*radiance);
     }
-    // The first word of each is its scale.
-    let scales: Vec<u32> = lit.vertices().filter_map(|vertex| vertex.1).collect();
-    solution.distribution_words = lit.into_words();
-    for at in scales {
-        let word = &mut solution.distribution_words[at as usize];
-        *word = (f32::from_bits(*word) * frame.radiance_unit()).to_bits();
+    for &at in &solution.distribution_offset {
+        if at != NO_DISTRIBUTION {
+            // The first word of each is its scale.
+            let word = &mut solution.distribution_words[at as usize];
+            *word = (f32::from_bits(*word) * frame.radiance_unit()).to_bits();
+        }
     }
     push_dark_sides(prepared, &mut solution);
     solution

@@ -5,9 +5,10 @@ use crate::geometry::sampling::{cosine_direction, spread};
 use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
 use crate::transport::visibility::Occluders;
 use glam::Vec3;
+use std::f32::consts::{PI, TAU};
 
-/// A vertex is gathered this far from its point towards the middle of the leaves around it: on an edge between two
-/// walls the form factor of the other wall is not defined.
+/// A vertex is gathered this far from its point towards the middle of the leaves around it, unless they surround it: on
+/// an edge between two walls the form factor of the other wall is not defined.
 const INSET: f32 = 1.0 / 12.0;
 
 /// Where a vertex is covered, it is gathered this far towards the middle or a corner of one of the leaves around it.
@@ -51,7 +52,12 @@ impl<'a> Place<'a> {
         let first = inset(around[0]);
         let usual = if first.element.shading == NONE {
             let sum: Vec3 = around.iter().map(|&leaf| centre(leaf)).sum();
-            on(around[0], sum / around.len() as f32, INSET)
+            let share = if surround(vertex.point, around, hierarchy) {
+                0.0
+            } else {
+                INSET
+            };
+            on(around[0], sum / around.len() as f32, share)
         } else {
             // On smooth surfaces the middle of several leaves lies inside the solid, and some of them may: stay on the
             // first of the most open ones.
@@ -95,6 +101,26 @@ impl<'a> Place<'a> {
         };
         (0..RAYS).filter(is_open)
     }
+}
+
+/// True when leaves of one plane lie all around a point: their angles there fill a turn.
+fn surround(point: u32, around: &[NodeId], hierarchy: &Hierarchy) -> bool {
+    /// Angles are rounded; what is left open is less than any corner.
+    const SLACK: f32 = 1e-3;
+    let at = hierarchy.points[point as usize];
+    let angle = |&leaf: &NodeId| {
+        let element = &hierarchy.elements[hierarchy.node(leaf).element as usize];
+        let count = element.corner_count();
+        match element.points.iter().position(|&corner| corner == point) {
+            Some(i) => {
+                let to = |j: usize| element.polygon.corners()[j % count] - at;
+                to(i + 1).angle_between(to(i + count - 1))
+            }
+            // In the middle of an edge.
+            None => PI,
+        }
+    };
+    around.iter().map(angle).sum::<f32>() > TAU - SLACK
 }
 
 /// The first of those `places` of which the most rays are open, and how many are.

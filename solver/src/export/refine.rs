@@ -1,11 +1,12 @@
 //! Splitting of leaves for display: large ones, unbalanced ones, and those whose light is not what their corners
 //! predict: error control after the fact, where the eye will look.
 
-use super::light::{Light, VertexLight};
+use super::light::Light;
 use super::lit::Lit;
 use super::mesh::{Mesh, leaves};
 use crate::config::Settings;
-use crate::hierarchy::{Element, Hierarchy};
+use crate::hierarchy::detail::Detail;
+use crate::hierarchy::{Element, Hierarchy, Node};
 use crate::radiometry::Rgb;
 use crate::solve::{Prepared, Watch};
 use crate::transport::propagate::Gloss;
@@ -80,12 +81,16 @@ pub(super) fn gather_and_split(
     light: &Light<'_>,
     lit: &mut Lit,
     settings: &Settings,
+    detail: &Detail,
     watch: &mut Watch<'_>,
 ) -> Vec<Option<Rgb>> {
+    let is_large = |node: &Node| {
+        node.radius * std::f32::consts::SQRT_2 > settings.min_edge * detail.at(node.centre)
+    };
     let mut tested = vec![false; hierarchy.nodes.len()];
     let mut centres: Vec<Option<Rgb>> = vec![None; hierarchy.nodes.len()];
     // Each pass halves the leaves: with size 1 and the smallest edge, no more than this many.
-    let passes = (1.0 / settings.min_edge).log2().ceil() as u32 + 1;
+    let passes = (1.0 / (settings.min_edge * detail.least())).log2().ceil() as u32 + 1;
     for pass in 0..passes {
         let done = |pass: u32| 0.5 + 0.45 * (1.0 - 0.6f32.powi(pass as i32));
         light.gather_missing(hierarchy, mesh, lit, watch, done(pass)..done(pass + 1));
@@ -95,7 +100,7 @@ pub(super) fn gather_and_split(
         let candidates: Vec<Element> = leaves(hierarchy)
             .filter(|e| {
                 !tested.get(e.node as usize).copied().unwrap_or(false)
-                    && hierarchy.node(e.node).radius * std::f32::consts::SQRT_2 > settings.min_edge
+                    && is_large(hierarchy.node(e.node))
                     && !light.is_in_pocket(e)
             })
             .copied()
@@ -105,15 +110,15 @@ pub(super) fn gather_and_split(
             .par_iter()
             .with_max_len(32)
             .map(|element| {
-                let corners: Vec<&VertexLight> = mesh
+                let corners: Vec<Rgb> = mesh
                     .corners(shared, element)
-                    .map(|v| lit.vertex(v))
+                    .map(|v| lit.irradiance(v))
                     .collect();
-                let mean = corners.iter().fold(Rgb::BLACK, |sum, v| sum + v.irradiance)
-                    / corners.len() as f32;
+                let sum = corners.iter().fold(Rgb::BLACK, |sum, &corner| sum + corner);
+                let mean = sum / corners.len() as f32;
                 let spread = corners
                     .iter()
-                    .fold(0.0f32, |m, v| m.max((v.irradiance - mean).mean().abs()));
+                    .fold(0.0f32, |m, &corner| m.max((corner - mean).mean().abs()));
                 let visible = light.visible_difference(element.material);
                 // Flat and dark surroundings need no look at their centre once they are fairly small.
                 if mean.mean() + spread < visible {

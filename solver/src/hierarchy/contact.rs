@@ -6,6 +6,7 @@
 
 use super::exposed::Exposed;
 use super::reach::Side;
+use super::targets::Lamps;
 use super::{Element, Hierarchy, NodeId};
 use crate::geometry::sampling::{cosine_direction, spread};
 use crate::geometry::{Polygon, hash};
@@ -17,6 +18,8 @@ use rayon::prelude::*;
 
 /// Rays that decide whether a point is dark.
 const RAYS: u32 = 16;
+/// Tells the numbers that choose lamps from those that choose directions.
+const LAMPS: u32 = 0x006c_616d;
 /// Light that comes along this many lit sides came from outside of what is closed.
 const STEPS: u32 = 5;
 
@@ -109,11 +112,13 @@ pub struct Reach<'a> {
     pub contacts: Contacts<'a>,
     /// What light does with the sides of each, front and back.
     pub sides: &'a [[Side; 2]],
+    /// Where light comes from.
+    pub lamps: &'a Lamps,
 }
 
 impl Reach<'_> {
     /// True when light can reach a point of a lit side: nothing touches that side, or a walk from one lit side to the
-    /// next gets to such a one, or far.
+    /// next gets to such a one, or far, or leaves the scene where a lamp is seen.
     pub fn is_lit_at(&self, at: Meeting, seed: u32) -> bool {
         let mut at = at;
         for step in 0..STEPS {
@@ -126,11 +131,26 @@ impl Reach<'_> {
             let direction = cosine_direction(normal, Vec2::new(unit(0), unit(1)));
             match self.contacts.meeting(at.point, direction, at.patch) {
                 Some(next) => at = next,
-                // Out of the scene, where there may be nothing to light it.
-                None => return false,
+                // Out of the scene, where there may be nothing to light it but a lamp.
+                None => return self.sees_lamp(at.point, normal, at.patch, seed, step),
             }
         }
         true
+    }
+
+    /// True when nothing stands between a point of a patch and a lamp; `seed` and `ray` choose which.
+    pub fn sees_lamp(&self, from: Vec3, normal: Vec3, patch: u32, seed: u32, ray: u32) -> bool {
+        let seed = hash::mix(seed, LAMPS);
+        let Some(aim) = self.lamps.aim(from, normal, seed, ray) else {
+            return false;
+        };
+        let met = self.contacts.meeting(from, aim.direction, patch);
+        match aim.distance {
+            Some(distance) => met.is_none_or(|met| met.point.distance(from) >= distance),
+            None => {
+                met.is_some_and(|met| self.sides[met.patch as usize][usize::from(met.back)].emits)
+            }
+        }
     }
 
     /// True when light can reach a point of an element: a ray of it leaves the scene or gets to where light is.

@@ -7,10 +7,12 @@
 mod cluster;
 pub mod coincident;
 pub mod contact;
+pub mod detail;
 pub mod exposed;
 pub mod patch;
 pub mod reach;
 mod split;
+pub mod targets;
 
 use crate::geometry::Polygon;
 use crate::scene::Material;

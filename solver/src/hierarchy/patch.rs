@@ -29,6 +29,17 @@ impl Patch {
 /// Two faces lie in one plane when a corner is this much of an edge length away from it: rounding of f32 input.
 const COPLANAR: f32 = 1e-5;
 
+/// For each point the first one in the same place: files may list the corners of every face anew.
+pub fn welded(points: &[Vec3]) -> Vec<u32> {
+    let mut first = FxHashMap::default();
+    let of_point = |(point, index): (&Vec3, u32)| {
+        // -0 and 0 are the same.
+        let place = (point + Vec3::ZERO).to_array().map(f32::to_bits);
+        *first.entry(place).or_insert(index)
+    };
+    points.iter().zip(0..).map(of_point).collect()
+}
+
 /// Merges pairs of `triangles` into quads where they share an edge, a plane and a material and the quad is convex.
 ///
 /// Returns the patches and, for each triangle, the patch that it became part of.

@@ -2,12 +2,15 @@
 //!
 //! Surfaces reflect on both sides, but most backs are inside solid things or outside of a closed room. Light is
 //! flooded along rays: a side is lit when it emits, when a ray from where another is lit meets it, or when a ray of its
-//! own meets such a place. What is left is dark and needs no element. A floor that a box stands on is one patch: rays go
+//! own, random or aimed at lamps and lit sides, meets such a place. What is left is dark and needs no element. A floor that a box stands on is one patch: rays go
 //! on from the points that others met, not from all of it, and so the inside of the box stays dark. Hoped, not proven:
-//! an opening that a few dozen rays from either side all miss is taken for closed. Cost: a few dozen rays per side.
+//! an opening that a few dozen rays from either side all miss is taken for closed. Cost: a few dozen rays per side and
+//! round.
 
 use super::contact::{Contacts, Meeting, Reach};
 use super::patch::Patch;
+use super::targets::{Lamps, Targets};
+use crate::geometry::Polygon;
 use crate::geometry::hash;
 use crate::geometry::sampling::{cosine_direction, sphere_direction};
 use crate::radiometry::Rgb;
@@ -21,6 +24,8 @@ const RAYS: u32 = 24;
 const POINT_RAYS: u32 = 4;
 /// A lamp's back is its inside when this share of its rays ends on the lamp's own back: it does not emit.
 const INSIDE_SHARE: f32 = 0.75;
+/// Rays that a dark side aims at lamps, and as many at lit sides.
+const AIMED_RAYS: u32 = 12;
 /// Rays from each point light and each emitter.
 const LAMP_RAYS: u32 = 512;
 
@@ -55,6 +60,7 @@ pub fn lit_sides(
         sides: touched.into_iter().map(|sides| sides.map(side)).collect(),
         left: vec![[RAYS; 2]; patches.len()],
         sources: Vec::new(),
+        lamps: Lamps::new(Vec::new(), Vec::new()),
     };
     for (patch, index) in patches.iter().zip(0..) {
         let m = &materials[patch.material as usize];
@@ -80,6 +86,7 @@ pub fn lit_sides(
             }
         }
     }
+    flood.lamps = lamps(contacts.shapes, &flood.sides, point_lights);
     flood
         .sources
         .extend(point_lights.iter().map(|light| Source::Point(light.0)));
@@ -89,6 +96,17 @@ pub fn lit_sides(
             return flood.sides;
         }
     }
+}
+
+/// Where light comes from: sides of patches with `shapes`, and points.
+pub fn lamps(shapes: &[Polygon], sides: &[[Side; 2]], point_lights: &[(Vec3, Rgb)]) -> Lamps {
+    let emitting = |(shape, sides): (&Polygon, &[Side; 2])| {
+        let is_lamp = |&back: &bool| sides[usize::from(back)].emits;
+        let both = [false, true].into_iter().filter(is_lamp);
+        both.map(|back| (*shape, back)).collect::<Vec<_>>()
+    };
+    let surfaces = shapes.iter().zip(sides).flat_map(emitting).collect();
+    Lamps::new(surfaces, point_lights.iter().map(|light| light.0).collect())
 }
 
 /// Where light comes from that has not been followed yet.
@@ -109,6 +127,7 @@ struct Flood<'a> {
     /// Rays that sides may still send.
     left: Vec<[u32; 2]>,
     sources: Vec<Source>,
+    lamps: Lamps,
 }
 
 impl Flood<'_> {
@@ -147,23 +166,18 @@ impl Flood<'_> {
             let (patch, side) = (patch as usize, usize::from(back));
             self.usable[patch][side] && !self.sides[patch][side].lit
         };
-        let dark: Vec<(u32, bool)> = sides.filter(is_dark).collect();
-        let reach = Reach {
-            contacts: *self.contacts,
-            sides: &self.sides,
-        };
+        let dark: Vec<(u32, bool)> = sides.clone().filter(is_dark).collect();
+        let is_lit =
+            |&(patch, back): &(u32, bool)| self.sides[patch as usize][usize::from(back)].lit;
+        let shape = |(patch, back): (u32, bool)| (self.contacts.shapes[patch as usize], back);
+        let targets = Targets::new(sides.filter(is_lit).map(shape).collect());
         let reached: Vec<Meeting> = dark
             .par_iter()
             .filter_map(|&(patch, back)| {
-                let seen = self.contacts.seen_from_side(patch, back, RAYS);
-                let lit = seen.iter().zip(0..).find(|((_, met), ray)| {
-                    reach.is_lit_at(*met, hash::mix(2 * patch + u32::from(back), *ray))
-                });
-                lit.map(|((from, _), _)| Meeting {
-                    point: *from,
-                    patch,
-                    back,
-                })
+                let point = self
+                    .sees_light_by_chance(patch, back)
+                    .or_else(|| self.sees_light_aimed(&targets, patch, back))?;
+                Some(Meeting { point, patch, back })
             })
             .collect();
         let is_any = !reached.is_empty();
@@ -172,16 +186,65 @@ impl Flood<'_> {
         }
         is_any
     }
+
+    /// What is known about light until now.
+    fn reach(&self) -> Reach<'_> {
+        Reach {
+            contacts: *self.contacts,
+            sides: &self.sides,
+            lamps: &self.lamps,
+        }
+    }
+
+    /// A place on a side of a patch from which a random ray meets light.
+    fn sees_light_by_chance(&self, patch: u32, back: bool) -> Option<Vec3> {
+        let reach = self.reach();
+        let seen = self.contacts.seen_from_side(patch, back, RAYS);
+        let mut lit = seen.into_iter().zip(0..);
+        let lit = lit.find(|&((_, met), ray)| reach.is_lit_at(met, seed_of(patch, back, ray)));
+        lit.map(|((from, _), _)| from)
+    }
+
+    /// A place on a side of a patch from which a ray that is aimed at a lamp or one of `targets` meets light.
+    fn sees_light_aimed(&self, targets: &Targets, patch: u32, back: bool) -> Option<Vec3> {
+        let reach = self.reach();
+        let normal = self.contacts.normal(patch, back);
+        (RAYS..RAYS + AIMED_RAYS).find_map(|ray| {
+            let from = self.contacts.place_on_side(patch, back, ray);
+            let seed = seed_of(patch, back, RAYS);
+            let sees_target = || {
+                let direction = targets.aim(from, normal, seed, ray)?;
+                let met = self.contacts.meeting(from, direction, patch)?;
+                reach
+                    .is_lit_at(met, seed_of(patch, back, ray))
+                    .then_some(())
+            };
+            let is_lit = reach.sees_lamp(from, normal, patch, seed, ray) || sees_target().is_some();
+            is_lit.then_some(from)
+        })
+    }
+}
+
+/// Of the random numbers of a side and a ray.
+fn seed_of(patch: u32, back: bool, ray: u32) -> u32 {
+    hash::mix(2 * patch + u32::from(back), ray)
 }
 
 impl Contacts<'_> {
+    /// The random place on a side of a patch where its ray with this number starts.
+    fn place_on_side(&self, patch: u32, back: bool, ray: u32) -> Vec3 {
+        let seed = patch.wrapping_mul(2) + u32::from(back);
+        let inset = |salt: u32| 0.02 + 0.96 * hash::unit(seed, ray.wrapping_mul(4) + salt);
+        self.shapes[patch as usize].point(Vec2::new(inset(0), inset(1)))
+    }
+
     /// What rays from random places on a side of a patch meet, and where they start.
     fn seen_from_side(&self, patch: u32, back: bool, rays: u32) -> Vec<(Vec3, Meeting)> {
-        let (shape, normal) = (&self.shapes[patch as usize], self.normal(patch, back));
+        let normal = self.normal(patch, back);
         let seed = patch.wrapping_mul(2) + u32::from(back);
         let meeting = |ray: u32| {
             let unit = |salt: u32| hash::unit(seed, ray.wrapping_mul(4) + salt);
-            let from = shape.point(Vec2::new(0.02 + 0.96 * unit(0), 0.02 + 0.96 * unit(1)));
+            let from = self.place_on_side(patch, back, ray);
             let direction = cosine_direction(normal, Vec2::new(unit(2), unit(3)));
             Some((from, self.meeting(from, direction, patch)?))
         };

@@ -5,6 +5,7 @@ mod furnace;
 mod prepare;
 mod series;
 mod shooting;
+mod watch;
 
 use crate::config::{Quality, Settings};
 use crate::error::SolveError;
@@ -15,8 +16,8 @@ pub use furnace::{enclosed, solve_furnace};
 pub use prepare::{Emission, Prepared};
 pub(crate) use shooting::transport;
 pub use shooting::{FirstLinks, Transported, first_links, transported};
-use std::ops::ControlFlow;
-use std::time::Instant;
+pub(crate) use watch::Watch;
+pub use watch::{Observer, Progress};
 
 /// Settings of a solve.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -27,6 +28,9 @@ pub struct SolveConfig {
     pub time_limit_s: Option<f64>,
     /// Deepest subdivision of the directional basis, 1..=7. `None`: follows from quality and gloss.
     pub max_level: Option<u32>,
+    /// Bytes that the data of a solve may take: quality is lowered until they fit. What the process needs besides is not
+    /// counted. `None`: no limit.
+    pub memory_limit: Option<u64>,
     /// Threads. `None`: all of the machine.
     pub threads: Option<usize>,
     /// Share of the emitted power that a link may be wrong by (§3.1). `None`: follows from quality.
@@ -55,6 +59,9 @@ impl SolveConfig {
                 seconds,
                 "more than 0 s",
             )?;
+        }
+        if let Some(bytes) = self.memory_limit {
+            check(bytes > 0, "memory limit", bytes as f64, "more than 0 bytes")?;
         }
         if let Some(level) = self.max_level {
             check(
@@ -88,77 +95,9 @@ impl SolveConfig {
     }
 }
 
-/// How far a solve has come.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Progress {
-    /// What is being done now.
-    pub phase: &'static str,
-    /// Estimated part of the whole that is done, 0..=1, never falling.
-    pub done: f32,
-}
-
-/// Is told of the progress of a solve after each bounded piece of work, and may stop it.
-pub trait Observer: Send {
-    /// `Break` stops the solve with what it has.
-    fn report(&mut self, progress: &Progress) -> ControlFlow<()>;
-}
-
-impl Observer for () {
-    fn report(&mut self, _: &Progress) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-}
-
-/// Joins the caller's observer and the time limit; remembers that one of them said stop.
-pub(crate) struct Watch<'a> {
-    observer: &'a mut dyn Observer,
-    started: Instant,
-    time_limit_s: Option<f64>,
-    stopped: bool,
-    done: f32,
-}
-
-impl<'a> Watch<'a> {
-    pub(crate) fn new(observer: &'a mut dyn Observer, time_limit_s: Option<f64>) -> Self {
-        Self {
-            observer,
-            started: Instant::now(),
-            time_limit_s,
-            stopped: false,
-            done: 0.0,
-        }
-    }
-
-    /// Reports; `Break` once stopped, and ever after.
-    pub(crate) fn report(&mut self, phase: &'static str, done: f32) -> ControlFlow<()> {
-        self.done = self.done.max(done.clamp(0.0, 1.0));
-        let late = self
-            .time_limit_s
-            .is_some_and(|limit| self.started.elapsed().as_secs_f64() > limit);
-        let stop = self
-            .observer
-            .report(&Progress {
-                phase,
-                done: self.done,
-            })
-            .is_break();
-        self.stopped |= late || stop;
-        if self.stopped {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    }
-
-    /// True when the rest is to be kept short.
-    pub(crate) fn is_stopped(&self) -> bool {
-        self.stopped
-    }
-}
-
 /// Solves `scene`: hierarchical radiance clustering with illumination samples (§3), shooting (§3.4), then export of
 /// directional light per vertex (§5.2). Errors: settings out of range, materials without loss, light that grows
-/// beyond numbers. When the observer stops it, the solution holds what was found until then.
+/// beyond numbers, data that does not fit into the memory limit at any quality. When the observer stops it, the solution holds what was found until then.
 pub fn solve(
     scene: &Scene,
     config: &SolveConfig,
@@ -176,18 +115,32 @@ fn solve_prepared(
     observer: &mut dyn Observer,
     prepare: impl Fn(&Settings) -> Prepared + Sync,
 ) -> Result<Solution, SolveError> {
-    let settings = config.settings()?;
+    config.settings()?;
     check_loss(scene)?;
-    let mut watch = Watch::new(observer, config.time_limit_s);
-    let mut work = || -> Result<Solution, SolveError> {
-        let prepared = prepare(&settings);
-        let mut transported = transport(&prepared, &settings, &mut watch)?;
-        let mut solution =
-            export::export(scene, &prepared, &settings, &mut transported, &mut watch);
-        solution.stats.solve.quality = f64::from(config.quality.value());
-        Ok(solution)
+    check_memory(scene, config)?;
+    let mut watch = Watch::new(observer, config.time_limit_s, config.memory_limit);
+    let mut work = || {
+        let mut config = config.clone();
+        loop {
+            let settings = config.settings()?;
+            let prepared = prepare(&settings);
+            let solved = solve_once(scene, &prepared, &settings, &mut watch);
+            let Some(needed) = watch.take_exceeded() else {
+                let mut solution = solved?;
+                solution.stats.solve.quality = f64::from(config.quality.value());
+                return Ok(solution);
+            };
+            let quality = config.quality.value();
+            if quality <= 0.0 {
+                return Err(SolveError::Memory {
+                    limit: config.memory_limit.unwrap_or(0),
+                    needed,
+                });
+            }
+            config.quality = Quality::new((quality - QUALITY_STEP).max(0.0))?;
+        }
     };
-    let mut solution = match config.threads {
+    let mut solution: Solution = match config.threads {
         None => work(),
         Some(threads) => match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
             Ok(pool) => pool.install(work),
@@ -195,8 +148,38 @@ fn solve_prepared(
             Err(_) => work(),
         },
     }?;
-    solution.stats.solve.wall_s = watch.started.elapsed().as_secs_f64();
+    solution.stats.solve.wall_s = watch.seconds();
     Ok(solution)
+}
+
+/// By how much the quality is lowered when a solve does not fit into memory.
+const QUALITY_STEP: f32 = 0.5;
+
+fn solve_once(
+    scene: &Scene,
+    prepared: &Prepared,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) -> Result<Solution, SolveError> {
+    let mut transported = transport(prepared, settings, watch)?;
+    Ok(export::export(
+        scene,
+        prepared,
+        settings,
+        &mut transported,
+        watch,
+    ))
+}
+
+/// Refuses scenes whose data cannot fit into the memory limit at any quality.
+fn check_memory(scene: &Scene, config: &SolveConfig) -> Result<(), SolveError> {
+    /// A large plane of triangles, one side lit, takes this much at draft.
+    const LEAST_PER_TRIANGLE: u64 = 400;
+    let needed = LEAST_PER_TRIANGLE * scene.triangles().len() as u64;
+    match config.memory_limit {
+        Some(limit) if needed > limit => Err(SolveError::Memory { limit, needed }),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses diffuse reflectances of 1: in a closed scene the light would never end. Glossy lobes lose light at grazing

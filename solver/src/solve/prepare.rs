@@ -6,8 +6,10 @@ use crate::geometry::Polygon;
 use crate::hierarchy::Hierarchy;
 use crate::hierarchy::coincident::{covered_sides, lamps_first, usable_sides};
 use crate::hierarchy::contact::{Contacts, Reach};
-use crate::hierarchy::patch::{Patch, merge};
-use crate::hierarchy::reach::{Side, lit_sides};
+use crate::hierarchy::detail::Detail;
+use crate::hierarchy::patch::{Patch, merge, welded};
+use crate::hierarchy::reach::{Side, lamps, lit_sides};
+use crate::hierarchy::targets::Lamps;
 use crate::normalise::Normalised;
 use crate::radiometry::Rgb;
 use crate::scene::{Material, Scene, Triangle};
@@ -39,6 +41,10 @@ pub struct Prepared {
     pub covered: Vec<[bool; 2]>,
     /// Which of their sides light can reach, and which emit.
     pub lit: Vec<[Side; 2]>,
+    /// Where light comes from.
+    pub lamps: Lamps,
+    /// Where things stand.
+    pub detail: Detail,
     /// All patches, for what may stand between two of them.
     pub tree: PatchTree,
     /// Shape of each patch.
@@ -65,11 +71,15 @@ impl Prepared {
         let started = Instant::now();
         let frame = Normalised::new(scene);
         let is_glass = |t: &&Triangle| frame.materials[t.material as usize].is_glass();
+        let first_there = welded(&frame.points);
         let opaque: Vec<Triangle> = scene
             .triangles()
             .iter()
             .filter(|t| !is_glass(t))
-            .copied()
+            .map(|t| Triangle {
+                points: t.points.map(|p| first_there[p as usize]),
+                ..*t
+            })
             .collect();
         let clear: Vec<Triangle> = scene.triangles().iter().filter(is_glass).copied().collect();
         let (mut patches, mut patch_of) = merge(&frame.points, scene.normals(), &opaque);
@@ -117,6 +127,7 @@ impl Prepared {
         };
         let (materials, lights) = (&frame.materials, &frame.point_lights);
         let lit = lit_sides(&contacts, &patches, materials, lights, &seen);
+        let lamps = lamps(&shapes, &lit, lights);
         let diffuse = frame.materials.iter().map(|m| m.diffuse).collect();
         let even = |material: &Material| Emission {
             even: material.emission,
@@ -127,6 +138,7 @@ impl Prepared {
             emission,
             glass,
             glass_material: clear.iter().map(|t| t.material).collect(),
+            detail: Detail::of(&shapes),
             tree,
             shapes,
             frame,
@@ -134,11 +146,25 @@ impl Prepared {
             usable,
             covered,
             lit,
+            lamps,
             occluders,
             lobes,
             diffuse,
             seconds: started.elapsed().as_secs_f64(),
         }
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.frame.points[..])
+            + size_of_val(&self.patches[..])
+            + size_of_val(&self.shapes[..])
+            + size_of_val(&self.usable[..])
+            + size_of_val(&self.covered[..])
+            + size_of_val(&self.lit[..])
+            + size_of_val(&self.glass[..])
+            + self.tree.bytes()
+            + self.occluders.bytes()
     }
 
     /// What the side of a patch emits.
@@ -156,6 +182,7 @@ impl Prepared {
             occluders: &self.occluders,
             tree: &self.tree,
             shapes: &self.shapes,
+            detail: self.detail,
             lobes: &self.lobes,
             point_lights: &self.frame.point_lights,
             diffuse: &self.diffuse,
@@ -185,6 +212,7 @@ impl Prepared {
                 usable: &self.usable,
             },
             sides: &self.lit,
+            lamps: &self.lamps,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Light to come: what each iteration keeps of the light before it, and the sum of all iterations that are not made.
 
 use super::escape::Escape;
+use crate::hierarchy::detail::Detail;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::transport::exitant::Exitant;
 use glam::DVec3;
@@ -42,11 +43,15 @@ pub(super) fn geometric(sent: DVec3, left: DVec3) -> DVec3 {
 /// the inside of a box, may keep its light longer than the rest of the scene.
 pub(super) struct Drift {
     patches: Vec<Patch>,
+    /// Of the light of the last two iterations; lossless before the first.
+    last_ratio: f64,
 }
 
 struct Patch {
     node: NodeId,
     area: f64,
+    /// How much its error counts: its area, or the part of it that is looked at with the things on it.
+    weight: f64,
     /// All power that left it so far.
     sent: f64,
     /// Its share of the power of the last iteration.
@@ -57,13 +62,16 @@ struct Patch {
 
 impl Drift {
     /// Before the first iteration, from all elements and their `emitted` light.
-    pub(super) fn new(hierarchy: &Hierarchy, emitted: &Exitant) -> Self {
+    pub(super) fn new(hierarchy: &Hierarchy, emitted: &Exitant, detail: &Detail) -> Self {
         let all = total(emitted);
         let patches = hierarchy.elements.iter().map(|element| {
             let sent = f64::from(emitted.power[element.node as usize]);
+            let node = hierarchy.node(element.node);
+            let area = f64::from(node.area);
             Patch {
                 node: element.node,
-                area: f64::from(hierarchy.node(element.node).area),
+                area,
+                weight: area.min(f64::from(detail.at(node.centre)).powi(2)),
                 sent,
                 share: if all > 0.0 { sent / all } else { 0.0 },
                 moved: None,
@@ -71,11 +79,12 @@ impl Drift {
         });
         Self {
             patches: patches.collect(),
+            last_ratio: 1.0,
         }
     }
 
     /// What the sum would be wrong by if this were the last iteration, which made `light` (pulled, times `factor`) and a
-    /// `ratio` of what was before: the root mean square over areas, as a share of the light of each patch.
+    /// `ratio` of what was before: the root of the weighted mean square, as a share of the light of each patch.
     ///
     /// Shares of patches move by D, and are taken to go on moving by D q, D q², … with q as seen last. Weighted with
     /// the power rᵏ of the iterations, this sums to D q r / ((1 − r)(1 − q r)) of the power.
@@ -86,15 +95,18 @@ impl Drift {
         if all <= 0.0 {
             return 0.0;
         }
+        // What comes back from the underside of a table is little of all, but keeps half of itself from there on.
+        let ratio = std::mem::replace(&mut self.last_ratio, ratio).max(ratio);
         let series = 1.0 / (1.0 - ratio.min(SLOWEST));
-        let (mut squares, mut area) = (0.0, 0.0);
+        let (mut squares, mut weight) = (0.0, 0.0);
         for patch in &mut self.patches {
             let power = f64::from(light.power[patch.node as usize]);
             let moved = power / all - patch.share;
             let falls = match patch.moved {
                 Some(last) if last != 0.0 => (moved / last).abs(),
-                Some(_) => 0.0,
-                None => 1.0,
+                Some(_) if moved == 0.0 => 0.0,
+                // Light that has just come for the first time.
+                _ => 1.0,
             };
             let goes_on = (falls * ratio).min(SLOWEST);
             let wrong = moved.abs() * all * series * goes_on / (1.0 - goes_on);
@@ -103,12 +115,30 @@ impl Drift {
             let sum = patch.sent + factor * power * series;
             patch.sent += factor * power;
             if sum > 0.0 {
-                squares += patch.area * (factor * wrong / sum).min(1.0).powi(2);
-                area += patch.area;
+                squares += patch.weight * (factor * wrong / sum).min(1.0).powi(2);
+                weight += patch.weight;
             }
         }
-        if area > 0.0 {
-            (squares / area).sqrt()
+        if weight > 0.0 {
+            (squares / weight).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    /// Exitance of the patch that is brightest in `light` (pulled, times `factor`), as a share of the typical exitance of
+    /// all light so far: the square of the mean root. In the open little light of all is left after one reflection, but
+    /// it is all that shadows have.
+    pub(super) fn brightest(&self, light: &Exitant, factor: f64) -> f64 {
+        let (mut roots, mut area, mut brightest) = (0.0, 0.0, 0.0f64);
+        for patch in self.patches.iter().filter(|patch| patch.area > 0.0) {
+            roots += (patch.sent * patch.area).sqrt();
+            area += patch.area;
+            let power = f64::from(light.power[patch.node as usize]);
+            brightest = brightest.max(factor * power / patch.area);
+        }
+        if roots > 0.0 {
+            brightest / (roots / area).powi(2)
         } else {
             0.0
         }

@@ -42,6 +42,9 @@ pub struct Transported {
     pub stats: Stats,
 }
 
+/// As reports name it.
+const PHASE: &str = "light transport";
+
 /// More reflections than any lossy scene needs before its unshot power is below the default share.
 const MAX_ITERATIONS: u64 = 4096;
 
@@ -59,7 +62,7 @@ pub(crate) fn transport(
 /// Light transport alone, nothing is gathered at vertices: for those who want to check elements. Errors: light that is
 /// not finite.
 pub fn transported(prepared: &Prepared, settings: &Settings) -> Result<Transported, SolveError> {
-    transport(prepared, settings, &mut Watch::new(&mut (), None))
+    transport(prepared, settings, &mut Watch::new(&mut (), None, None))
 }
 
 /// Everything about the links of the first iteration, where senders are emitters and their radiance is exact.
@@ -97,7 +100,7 @@ pub fn first_links(prepared: &Prepared, settings: &Settings) -> FirstLinks {
         with_point_lights: true,
         record: true,
     };
-    let mut go_on = || ControlFlow::Continue(());
+    let mut go_on = |_| ControlFlow::Continue(());
     propagation.run(&mut hierarchy, &mut samples, &mut records, &mut go_on);
     FirstLinks {
         hierarchy,
@@ -183,7 +186,7 @@ impl<'a> Shooting<'a> {
             return Ok(());
         }
         let goal = f64::from(self.settings.unshot_share);
-        let mut drift = Drift::new(&self.hierarchy, &self.unshot);
+        let mut drift = Drift::new(&self.hierarchy, &self.unshot, &self.prepared.detail);
         let mut open = 1.0;
         for iteration in 0..MAX_ITERATIONS {
             // Each reflection weakens the light: progress goes with the logarithm of what is open.
@@ -191,6 +194,7 @@ impl<'a> Shooting<'a> {
             let escape = self.escape(iteration == 0, mean(sent * factor) / emitted);
             let mut new = self.propagated(iteration == 0, emitted, watch, done);
             let reflected = self.reflected_new(&new, emitted);
+            let _ = watch.report(PHASE, done, self.held() + new.bytes());
             self.stats.solve.iterations = iteration + 1;
             self.check_finite(iteration)?;
 
@@ -211,7 +215,8 @@ impl<'a> Shooting<'a> {
             };
             let ratio = mean(left) / mean(shot);
             let wrong = drift.error(&self.unshot, mean(factor), ratio);
-            open = wrong.min(mean(left) / emitted);
+            let brightest = drift.brightest(&self.unshot, mean(factor));
+            open = wrong.min(brightest.max(mean(left) / emitted));
             let is_last = stopped || open <= goal;
 
             // The last iteration stands for all that would follow.
@@ -268,13 +273,23 @@ impl<'a> Shooting<'a> {
             record: false,
         };
         let mut new = SampleSets::default();
-        let mut report = || watch.report("light transport", done);
+        let held = self.held();
+        let mut report = |new: usize| watch.report(PHASE, done, held + new);
         let links = propagation.run(&mut self.hierarchy, &mut new, &mut Vec::new(), &mut report);
         self.links.add(&links);
         let solve = &mut self.stats.solve;
         solve.illumination_samples += new.len() as u64;
         solve.phases_s.propagate += started.elapsed().as_secs_f64();
         new
+    }
+
+    /// Bytes of all that is kept from one iteration to the next.
+    fn held(&self) -> usize {
+        self.prepared.bytes()
+            + self.hierarchy.bytes()
+            + self.openness.bytes()
+            + self.accumulated.bytes()
+            + self.unshot.bytes()
     }
 
     /// What of the unshot light, a `share` of the emitted, leaves the scene.
@@ -435,10 +450,8 @@ impl<'a> Shooting<'a> {
         solve.rays = self.links.rays;
         solve.phases_s.visibility =
             self.links.visibility.as_secs_f64() / rayon::current_num_threads() as f64;
-        solve.bytes.hierarchy = (self.hierarchy.bytes()
-            + self.openness.bytes()
-            + self.prepared.occluders.bytes()
-            + self.prepared.tree.bytes()) as u64;
+        solve.bytes.hierarchy =
+            (self.hierarchy.bytes() + self.openness.bytes() + self.prepared.bytes()) as u64;
         solve.bytes.illumination_samples = samples.bytes() as u64;
         solve.bytes.distributions = solve.bytes.distributions.max(total.bytes() as u64);
         let powers = [

@@ -190,9 +190,9 @@ impl Propagation<'_> {
     }
 
     fn is_refinable(&self, link: &Link<'_>) -> bool {
-        let least = self.accuracy.min_radius;
         link.receiver.polygon.is_none()
-            || link.receiver.radius > least
-            || link.sender.can_refine() && link.sender.radius > least
+            || link.receiver.radius > self.least_radius(link.receiver.centre)
+            || link.sender.can_refine()
+                && link.sender.radius > self.least_radius(link.sender.centre)
     }
 }

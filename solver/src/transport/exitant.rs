@@ -1,7 +1,7 @@
 //! Light that leaves the nodes of the hierarchy: what links carry.
 
 use crate::directional::packed;
-use crate::hierarchy::{Hierarchy, NodeId};
+use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use glam::Vec3;
 
@@ -36,6 +36,15 @@ impl Exitant {
             power: vec![0.0; count],
             brightest: vec![0.0; count],
             centre: vec![Vec3::ZERO; count],
+        }
+    }
+
+    /// Frees the distributions of clusters, when nothing will be propagated any more.
+    pub fn forget_clusters(&mut self, hierarchy: &Hierarchy) {
+        for (node, distribution) in hierarchy.nodes.iter().zip(&mut self.distribution) {
+            if node.element == NONE {
+                *distribution = None;
+            }
         }
     }
 

@@ -258,8 +258,16 @@ impl Gather<'_> {
         let is_cluster = sender.polygon.is_none();
         // What lies within a near cluster may be seen far more steeply than its middle.
         let faint = if is_cluster { FAINT_CLUSTER } else { 1.0 };
-        if bounds.high <= faint * limit && !has_gloss {
-            return bounds.high;
+        let id = sender.id.node;
+        let uneven = if !is_cluster && hierarchy.has_children_among(id, self.node_count) {
+            self.exitant.brightest_excess(id)
+        } else {
+            0.0
+        };
+        // Were it all as bright as its brightest part.
+        let high = bounds.high * (1.0 + uneven);
+        if high <= faint * limit && !has_gloss {
+            return high;
         }
         let sinks = |normal: Vec3| normal.dot(offset) > -sender.radius;
         if is_cluster && receiver.normal.is_some_and(sinks) {
@@ -268,7 +276,6 @@ impl Gather<'_> {
         let Some(sample) = &link.sample else {
             return bounds.high;
         };
-        let id = sender.id.node;
         let across = sender.radius / bounds.distance;
         let mut strength = sample.irradiance.mean();
         let mut share = 0.0;
@@ -288,10 +295,8 @@ impl Gather<'_> {
         }
         if is_cluster {
             share = CLUSTER * (share + across * across);
-        } else if hierarchy.has_children_among(id, self.node_count) {
-            let uneven = self.exitant.brightest_excess(id);
-            share += PARTS * uneven.min(1.0) * (2.0 * across).min(1.0);
         }
+        share += PARTS * uneven * (2.0 * across).min(1.0);
         if has_gloss {
             // The lobe of a sample is as wide as its sender: only the sender's shape is lost.
             let seen = 0.5 * across / gloss.width;

@@ -7,6 +7,7 @@
 use crate::brdf::Lobe;
 use crate::geometry::Polygon;
 use crate::hierarchy::contact::Reach;
+use crate::hierarchy::detail::Detail;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::connect::{Connection, Link};
@@ -31,6 +32,8 @@ pub struct Environment<'a> {
     pub tree: &'a PatchTree,
     /// Shape of each patch.
     pub shapes: &'a [Polygon],
+    /// Where things stand.
+    pub detail: Detail,
     /// Glossy lobe per material.
     pub lobes: &'a [Option<Lobe>],
     /// Point lights: position, intensity.
@@ -48,7 +51,7 @@ pub struct Accuracy {
     pub tolerance: f32,
     /// Largest Emax - Emin of a link, however small its receiver [mean over channels, normalised irradiance].
     pub most_irradiance: f32,
-    /// Elements with a smaller radius are not split.
+    /// Elements with a smaller radius are not split, times [`Detail::at`] their place.
     pub min_radius: f32,
     /// Rays along each axis of the stratification of an important link; their square is cast.
     pub strata: u32,
@@ -194,15 +197,17 @@ pub(super) const POINT_LIGHTS: NodeId = 1 << 31;
 const BATCH: usize = 8192;
 
 impl Propagation<'_> {
-    /// Propagates all light; appends to `samples`. `report` is called after each batch and may stop the work.
+    /// Propagates all light; appends to `samples`. `report` is called after each batch with the bytes that the samples take,
+    /// and may stop the work.
     pub fn run(
         &self,
         hierarchy: &mut Hierarchy,
         samples: &mut SampleSets,
         records: &mut Vec<LinkRecord>,
-        report: &mut dyn FnMut() -> ControlFlow<()>,
+        report: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> LinkStats {
         let mut stats = LinkStats::default();
+        let mut sample_count = 0;
         let lights = if self.with_point_lights {
             self.environment.point_lights.len() as u32
         } else {
@@ -225,6 +230,7 @@ impl Propagation<'_> {
                     .collect();
                 for ((id, _), outcome) in batch.iter().zip(outcomes) {
                     stats.add(&outcome.stats);
+                    sample_count += outcome.samples.len() + outcome.deposits.len();
                     samples.extend(*id, outcome.samples);
                     for (element, sample) in outcome.deposits {
                         samples.extend(element, vec![sample]);
@@ -243,7 +249,7 @@ impl Propagation<'_> {
                             .map(|child| (child, Arc::clone(&refined))),
                     );
                 }
-                if report().is_break() {
+                if report(sample_count * size_of::<IlluminationSample>()).is_break() {
                     return stats;
                 }
             }
@@ -251,6 +257,11 @@ impl Propagation<'_> {
             front = next;
         }
         stats
+    }
+
+    /// Elements at a place are not split when their radius is smaller.
+    pub(super) fn least_radius(&self, place: Vec3) -> f32 {
+        self.accuracy.min_radius * self.environment.detail.at(place)
     }
 
     fn gloss(&self, hierarchy: &Hierarchy, id: NodeId) -> Gloss {
@@ -274,7 +285,9 @@ impl Propagation<'_> {
         let limit = (self.accuracy.tolerance / reflecting_area).min(self.accuracy.most_irradiance);
         let gloss = self.gloss(hierarchy, id);
         let can_split = match hierarchy.element_of(id) {
-            Some(_) => !hierarchy.is_leaf(id) || receiver.radius > self.accuracy.min_radius,
+            Some(_) => {
+                !hierarchy.is_leaf(id) || receiver.radius > self.least_radius(receiver.centre)
+            }
             None => true,
         };
         let mut stack: Vec<SenderId> = pending.iter().rev().copied().collect();
@@ -306,7 +319,8 @@ impl Propagation<'_> {
             }
             let good = !same && is_good(&bounds);
             let can_refine_sender = sender.can_refine()
-                && (sender.polygon.is_none() || sender.radius > self.accuracy.min_radius * 0.5);
+                && (sender.polygon.is_none()
+                    || sender.radius > self.least_radius(sender.centre) * 0.5);
             if !good && (can_split || can_refine_sender) {
                 // The larger end bounds less; a receiver never splits for a sender much smaller than itself would be.
                 if can_split && (receiver.radius >= sender.radius || !can_refine_sender) {

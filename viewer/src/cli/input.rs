@@ -16,6 +16,9 @@ pub(super) struct SolveArgs {
     /// Stop refining after this time and keep what is there: 60s, 1.5m, 1h
     #[arg(long, value_parser = values::seconds, value_name = "TIME")]
     time_limit: Option<f64>,
+    /// Lower the quality until the data of the solve fits into this much memory: 512MiB, 2GiB [default: what is free]
+    #[arg(long, value_parser = values::bytes, value_name = "SIZE")]
+    memory_limit: Option<u64>,
     /// Deepest subdivision of directional distributions [default: follows from quality and gloss]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=7), value_name = "1..7")]
     levels: Option<u32>,
@@ -55,6 +58,7 @@ impl SolveArgs {
         SolveConfig {
             quality: self.quality,
             time_limit_s: self.time_limit,
+            memory_limit: self.memory_limit.or_else(process::free_memory_bytes),
             max_level: self.levels,
             threads: self.threads.map(usize::from),
             link_tolerance: self.link_tolerance.map(|share| share as f32),
@@ -98,6 +102,16 @@ pub(super) fn solve_scene(path: &Path, args: &SolveArgs) -> anyhow::Result<Solut
         note("interrupted: keeping what has been solved so far");
     }
     let stats = &mut solution.stats.solve;
+    if stats.quality < f64::from(config.quality.value()) {
+        note(&format!(
+            "note: quality {:.1} instead of {:.1}: more does not fit into {:.0}",
+            stats.quality,
+            config.quality.value(),
+            bytesize::ByteSize(config.memory_limit.unwrap_or(0))
+                .display()
+                .iec()
+        ));
+    }
     stats.phases_s.load = load_s;
     if let (Some(before), Some(after)) = (cpu_before, process::cpu_seconds()) {
         stats.cpu_s = after - before;

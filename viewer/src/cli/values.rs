@@ -45,6 +45,15 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("'{text}' is not a time above zero as in 60s, 1.5m or 1h"))
 }
 
+/// Bytes, from `1000000`, `512MiB`, `2GiB` or `2GB`.
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    text.parse::<bytesize::ByteSize>()
+        .ok()
+        .map(|size| size.as_u64())
+        .filter(|&bytes| bytes > 0)
+        .ok_or_else(|| format!("'{text}' is not a size above zero as in 512MiB or 2GB"))
+}
+
 /// A finite number above zero.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
@@ -63,6 +72,12 @@ mod tests {
         assert!(vector("1,2").is_err() && vector("1,2,nan").is_err() && vector("").is_err());
         assert_eq!(size("640x480"), Ok((640, 480)));
         assert!(size("0x4").is_err() && size("99999x1").is_err() && size("640").is_err());
+        assert_eq!(bytes("4GB"), Ok(4_000_000_000));
+        assert_eq!(bytes("4GiB"), Ok(4 << 30));
+        assert_eq!(bytes("1.5 KiB"), Ok(1536));
+        for text in ["0", "-1", "1.5", "GiB", "4 parsecs", "", "nan"] {
+            assert!(bytes(text).is_err(), "{text}");
+        }
         assert_eq!(seconds("1.5m"), Ok(90.0));
         assert_eq!(seconds("60s"), Ok(60.0));
         assert!(
