@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 #![allow(clippy::print_stdout, reason = "figures are read from the output")]
 
-use sheen_solver::{Solution, SolveConfig, solve};
+use sheen_solver::{Solution, SolveConfig, SolveError, solve};
 use sheen_tests::{UntilReport, scenes};
 
 /// Mean radiance over the vertices that reflect light, and their number.
@@ -66,4 +66,35 @@ fn during_light_transport() {
     let (mean, lit) = mean(&stopped);
     println!("mean radiance {mean} of {lit} vertices");
     assert!(lit > 0 && mean > 0.0);
+}
+
+#[test]
+fn quality_is_lowered_until_the_data_fits_into_memory() {
+    let scene = scenes::own("cornell_box_glossy");
+    let solved = |memory_limit: Option<u64>| {
+        let config = SolveConfig {
+            memory_limit,
+            ..SolveConfig::default()
+        };
+        solve(&scene, &config, &mut ())
+    };
+    let whole = solved(None).unwrap().stats.solve;
+    assert_eq!(whole.quality, 2.0);
+    // What it takes at its most is between the sum of the kinds, which do not stand beside each other all the time, and
+    // half of that.
+    assert_eq!(solved(Some(whole.bytes.total)).unwrap().stats.solve.quality, 2.0);
+    let limit = whole.bytes.total / 4;
+    let fitting = solved(Some(limit)).unwrap().stats.solve;
+    println!(
+        "{} bytes, quality {} in {limit}: {}",
+        whole.bytes.total, fitting.quality, fitting.bytes.total
+    );
+    assert!(fitting.quality > 0.0 && fitting.quality < 2.0);
+    assert!(fitting.links > 0 && fitting.links < whole.links);
+    // Nothing helps against too little.
+    let refused = solved(Some(100_000)).unwrap_err();
+    assert!(
+        matches!(refused, SolveError::Memory { limit: 100_000, needed } if needed > 100_000),
+        "{refused}"
+    );
 }

@@ -16,7 +16,7 @@ pub(super) struct SolveArgs {
     /// Stop refining after this time and keep what is there: 60s, 1.5m, 1h
     #[arg(long, value_parser = values::seconds, value_name = "TIME")]
     time_limit: Option<f64>,
-    /// Lower the quality until the data of the solve fits into this much memory: 512MiB, 2GiB [default: what is free]
+    /// Lower the quality until the data of the solve fits into this much memory: 512MiB, 2GiB [default: three fifths of what is free]
     #[arg(long, value_parser = values::bytes, value_name = "SIZE")]
     memory_limit: Option<u64>,
     /// Deepest subdivision of directional distributions [default: follows from quality and gloss]
@@ -58,12 +58,17 @@ impl SolveArgs {
         SolveConfig {
             quality: self.quality,
             time_limit_s: self.time_limit,
-            memory_limit: self.memory_limit.or_else(process::free_memory_bytes),
+            memory_limit: self.memory_limit.or_else(default_memory_limit),
             max_level: self.levels,
             threads: self.threads.map(usize::from),
             link_tolerance: self.link_tolerance.map(|share| share as f32),
         }
     }
+}
+
+/// Three fifths of what is free: the program takes up to half as much again as the data that it counts.
+fn default_memory_limit() -> Option<u64> {
+    process::free_memory_bytes().map(|bytes| bytes / 5 * 3)
 }
 
 /// True for the file name of a solution.
