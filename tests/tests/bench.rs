@@ -115,6 +115,47 @@ fn what_cannot_be_verified_is_refused() {
 }
 
 #[test]
+fn levels_deviations_and_memory_can_be_traded() {
+    let desk = tempfile::tempdir().unwrap();
+    let scene = own_path("cornell_box_glossy");
+    let ladder = |option: &str, steps: &str| -> Value {
+        let scene = scene.to_str().unwrap();
+        let fixed = [
+            "bench",
+            "convergence",
+            scene,
+            "-o",
+            "t",
+            "--spp",
+            "4",
+            "--probes",
+            "2",
+        ];
+        let arguments = [&fixed[..], &["--quality", "preview", option, steps]].concat();
+        let ran = sheen(desk.path(), &arguments);
+        assert_eq!(ran.status(), Some(0), "{}", ran.stderr());
+        let text = std::fs::read_to_string(desk.path().join("t/convergence.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let bytes = |ladder: &Value, row: usize| ladder["rows"][row]["bytes"].as_u64().unwrap();
+    for (option, steps, dimension) in [
+        ("--levels", "2,4", "levels"),
+        ("--epsilons", "1,0.1", "epsilon"),
+    ] {
+        let found = ladder(option, steps);
+        assert_eq!(found["dimension"], dimension);
+        assert!(bytes(&found, 0) < bytes(&found, 1), "{found}");
+    }
+    let found = ladder("--memory-limits", "6MiB,1GiB");
+    assert_eq!(found["rows"][1]["quality"], 1.0, "{found}");
+    assert!(
+        found["rows"][0]["quality"].as_f64().unwrap() < 1.0,
+        "{found}"
+    );
+    assert!(bytes(&found, 0) < bytes(&found, 1), "{found}");
+}
+
+#[test]
 fn more_work_means_less_error() {
     let desk = tempfile::tempdir().unwrap();
     let scene = own_path("glossy_sphere");

@@ -380,14 +380,24 @@ fn a_scene_that_does_not_fit_into_memory() {
     let desk = Desk::new();
     desk.put("a.obj", SMALL);
     let solve = |limit: &str| {
-        let arguments = ["solve", "a.obj", "-o", "out/a.sheen", "--memory-limit", limit];
+        let arguments = [
+            "solve",
+            "a.obj",
+            "-o",
+            "out/a.sheen",
+            "--memory-limit",
+            limit,
+        ];
         desk.run(&arguments)
     };
     let refused = solve("1KiB");
     assert_eq!(refused.status(), Some(1), "{}", refused.stderr());
     let errors = refused.errors();
     assert_eq!(errors.len(), 1, "{errors:?}");
-    assert!(errors[0].contains("a.obj") && errors[0].contains("--memory-limit"), "{errors:?}");
+    assert!(
+        errors[0].contains("a.obj") && errors[0].contains("--memory-limit"),
+        "{errors:?}"
+    );
     assert!(desk.outputs().is_empty());
     let fits = solve("1GiB");
     assert_eq!(fits.status(), Some(0), "{}", fits.stderr());
@@ -407,7 +417,14 @@ fn usage_errors_exit_with_2() {
         &["solve", "a.obj", "-o", "out/a.sheen", "--threads", "0"],
         &["solve", "a.obj", "-o", "out/a.sheen", "--time-limit", "-1s"],
         &["solve", "a.obj", "-o", "out/a.sheen", "--memory-limit", "0"],
-        &["solve", "a.obj", "-o", "out/a.sheen", "--memory-limit", "4 pigs"],
+        &[
+            "solve",
+            "a.obj",
+            "-o",
+            "out/a.sheen",
+            "--memory-limit",
+            "4 pigs",
+        ],
         &["render", "a.obj", "-o", "out/a.png", "--size", "0x10"],
     ];
     for arguments in cases {

@@ -82,7 +82,10 @@ fn quality_is_lowered_until_the_data_fits_into_memory() {
     assert_eq!(whole.quality, 2.0);
     // What it takes at its most is between the sum of the kinds, which do not stand beside each other all the time, and
     // half of that.
-    assert_eq!(solved(Some(whole.bytes.total)).unwrap().stats.solve.quality, 2.0);
+    assert_eq!(
+        solved(Some(whole.bytes.total)).unwrap().stats.solve.quality,
+        2.0
+    );
     let limit = whole.bytes.total / 4;
     let fitting = solved(Some(limit)).unwrap().stats.solve;
     println!(

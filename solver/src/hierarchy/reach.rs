@@ -17,6 +17,7 @@ use crate::radiometry::Rgb;
 use crate::scene::Material;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// Rays that a lit side sends, and that a dark one casts for itself.
 const RAYS: u32 = 24;
@@ -26,6 +27,8 @@ const POINT_RAYS: u32 = 4;
 const INSIDE_SHARE: f32 = 0.75;
 /// Rays that a dark side aims at lamps, and as many at lit sides.
 const AIMED_RAYS: u32 = 12;
+/// Sides or places that are looked at between two reports.
+const BATCH: usize = 1 << 15;
 /// Rays from each point light and each emitter.
 const LAMP_RAYS: u32 = 512;
 
@@ -41,13 +44,14 @@ pub struct Side {
 }
 
 /// For each patch its front and its back: can light reach it, does it emit, does something touch it? `usable`: the sides
-/// that can be seen at all.
+/// that can be seen at all. `report` is called now and then; when it says stop, what is not known to be lit yet is dark.
 pub fn lit_sides(
     contacts: &Contacts<'_>,
     patches: &[Patch],
     materials: &[Material],
     point_lights: &[(Vec3, Rgb)],
     usable: &[[bool; 2]],
+    report: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Vec<[Side; 2]> {
     let side = |touched: bool| Side {
         touched,
@@ -91,8 +95,8 @@ pub fn lit_sides(
         .sources
         .extend(point_lights.iter().map(|light| Source::Point(light.0)));
     loop {
-        flood.spread();
-        if !flood.reach_back() {
+        let spread = flood.spread(report);
+        if spread.is_break() || !flood.reach_back(report) {
             return flood.sides;
         }
     }
@@ -132,17 +136,21 @@ struct Flood<'a> {
 
 impl Flood<'_> {
     /// Follows the light of the sources, and of what they meet.
-    fn spread(&mut self) {
+    fn spread(&mut self, report: &mut dyn FnMut() -> ControlFlow<()>) -> ControlFlow<()> {
         while !self.sources.is_empty() {
             let sources = std::mem::take(&mut self.sources);
-            let found: Vec<Vec<Meeting>> = sources
-                .par_iter()
-                .map(|&source| self.contacts.seen_from(source))
-                .collect();
-            for met in found.into_iter().flatten() {
-                self.light(met);
+            for batch in sources.chunks(BATCH) {
+                let found: Vec<Vec<Meeting>> = batch
+                    .par_iter()
+                    .map(|&source| self.contacts.seen_from(source))
+                    .collect();
+                for met in found.into_iter().flatten() {
+                    self.light(met);
+                }
+                report()?;
             }
         }
+        ControlFlow::Continue(())
     }
 
     /// Light reaches a place.
@@ -159,8 +167,8 @@ impl Flood<'_> {
         }
     }
 
-    /// Nobody's ray meets the rest: do theirs meet anything lit? False when none does.
-    fn reach_back(&mut self) -> bool {
+    /// Nobody's ray meets the rest: do theirs meet anything lit? False when none does, or `report` says stop.
+    fn reach_back(&mut self, report: &mut dyn FnMut() -> ControlFlow<()>) -> bool {
         let sides = (0..self.sides.len() as u32).flat_map(|patch| [(patch, false), (patch, true)]);
         let is_dark = |&(patch, back): &(u32, bool)| {
             let (patch, side) = (patch as usize, usize::from(back));
@@ -171,15 +179,19 @@ impl Flood<'_> {
             |&(patch, back): &(u32, bool)| self.sides[patch as usize][usize::from(back)].lit;
         let shape = |(patch, back): (u32, bool)| (self.contacts.shapes[patch as usize], back);
         let targets = Targets::new(sides.filter(is_lit).map(shape).collect());
-        let reached: Vec<Meeting> = dark
-            .par_iter()
-            .filter_map(|&(patch, back)| {
+        let mut reached: Vec<Meeting> = Vec::new();
+        for batch in dark.chunks(BATCH) {
+            let of_side = |&(patch, back): &(u32, bool)| {
                 let point = self
                     .sees_light_by_chance(patch, back)
                     .or_else(|| self.sees_light_aimed(&targets, patch, back))?;
                 Some(Meeting { point, patch, back })
-            })
-            .collect();
+            };
+            reached.par_extend(batch.par_iter().filter_map(of_side));
+            if report().is_break() {
+                return false;
+            }
+        }
         let is_any = !reached.is_empty();
         for place in reached {
             self.light(place);

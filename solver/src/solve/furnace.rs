@@ -67,8 +67,8 @@ pub fn solve_furnace(
     config: &SolveConfig,
     observer: &mut dyn Observer,
 ) -> Result<(Solution, f32), SolveError> {
-    let solution = solve_prepared(enclosed, config, observer, |settings| {
-        let mut prepared = Prepared::new(enclosed, settings);
+    let solution = solve_prepared(enclosed, config, observer, |settings, watch| {
+        let mut prepared = Prepared::watched(enclosed, settings, watch);
         prepared.frame.point_lights.clear();
         for sides in &mut prepared.lit {
             for side in sides {

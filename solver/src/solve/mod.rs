@@ -31,6 +31,9 @@ pub struct SolveConfig {
     /// Bytes that the data of a solve may take: quality is lowered until they fit. What the process needs besides is not
     /// counted. `None`: no limit.
     pub memory_limit: Option<u64>,
+    /// ε of the directional refiner at vertices (§4.2), above 0, at most 10; that of transport keeps its ratio to it.
+    /// `None`: follows from quality.
+    pub epsilon: Option<f32>,
     /// Threads. `None`: all of the machine.
     pub threads: Option<usize>,
     /// Share of the emitted power that a link may be wrong by (§3.1). `None`: follows from quality.
@@ -73,6 +76,17 @@ impl SolveConfig {
             settings.transport_level = level;
             settings.display_level = level;
         }
+        if let Some(epsilon) = self.epsilon {
+            let in_range = epsilon > 0.0 && epsilon <= 10.0;
+            check(
+                in_range,
+                "epsilon",
+                f64::from(epsilon),
+                "above 0, at most 10",
+            )?;
+            settings.transport_epsilon *= epsilon / settings.epsilon;
+            settings.epsilon = epsilon;
+        }
         if let Some(threads) = self.threads {
             check(
                 (1..=1024).contains(&threads),
@@ -103,8 +117,8 @@ pub fn solve(
     config: &SolveConfig,
     observer: &mut dyn Observer,
 ) -> Result<Solution, SolveError> {
-    solve_prepared(scene, config, observer, |settings| {
-        Prepared::new(scene, settings)
+    solve_prepared(scene, config, observer, |settings, watch| {
+        Prepared::watched(scene, settings, watch)
     })
 }
 
@@ -113,7 +127,7 @@ fn solve_prepared(
     scene: &Scene,
     config: &SolveConfig,
     observer: &mut dyn Observer,
-    prepare: impl Fn(&Settings) -> Prepared + Sync,
+    prepare: impl Fn(&Settings, &mut Watch<'_>) -> Prepared + Sync,
 ) -> Result<Solution, SolveError> {
     config.settings()?;
     check_loss(scene)?;
@@ -123,7 +137,7 @@ fn solve_prepared(
         let mut config = config.clone();
         loop {
             let settings = config.settings()?;
-            let prepared = prepare(&settings);
+            let prepared = prepare(&settings, &mut watch);
             let solved = solve_once(scene, &prepared, &settings, &mut watch);
             let Some(needed) = watch.take_exceeded() else {
                 let mut solution = solved?;

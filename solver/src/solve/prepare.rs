@@ -13,6 +13,7 @@ use crate::hierarchy::targets::Lamps;
 use crate::normalise::Normalised;
 use crate::radiometry::Rgb;
 use crate::scene::{Material, Scene, Triangle};
+use crate::solve::Watch;
 use crate::transport::propagate::Environment;
 use crate::transport::region::PatchTree;
 use crate::transport::visibility::{NO_PATCH, Occluder, Occluders};
@@ -68,6 +69,11 @@ pub struct Prepared {
 impl Prepared {
     /// Makes `scene` ready.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
+        Self::watched(scene, settings, &mut Watch::new(&mut (), None, None))
+    }
+
+    /// The same under a watch: stopped, sides that light is not known to reach yet stay dark.
+    pub(crate) fn watched(scene: &Scene, settings: &Settings, watch: &mut Watch<'_>) -> Self {
         let started = Instant::now();
         let frame = Normalised::new(scene);
         let is_glass = |t: &&Triangle| frame.materials[t.material as usize].is_glass();
@@ -126,7 +132,8 @@ impl Prepared {
             usable: &usable,
         };
         let (materials, lights) = (&frame.materials, &frame.point_lights);
-        let lit = lit_sides(&contacts, &patches, materials, lights, &seen);
+        let mut report = || watch.report("finding light", 0.0, 0);
+        let lit = lit_sides(&contacts, &patches, materials, lights, &seen, &mut report);
         let lamps = lamps(&shapes, &lit, lights);
         let diffuse = frame.materials.iter().map(|m| m.diffuse).collect();
         let even = |material: &Material| Emission {

@@ -23,7 +23,7 @@ const ON_BOX: f32 = 1e-4;
 pub struct Openness {
     /// Share of the rays of an element that leave the clusters that hold it, from its parent to the root.
     shares: Vec<f32>,
-    /// Where those of a node begin.
+    /// Where those of an element begin; of a cluster, its number in `means`.
     first: Vec<u32>,
     /// Per cluster: means over what it holds, as seen along each half-axis.
     means: Vec<[Mean; 6]>,
@@ -47,15 +47,21 @@ impl Openness {
         let mut openness = Self {
             shares: Vec::new(),
             first: vec![NONE; hierarchy.nodes.len()],
-            means: vec![[Mean::default(); 6]; hierarchy.nodes.len()],
+            means: vec![[Mean::default(); 6]; hierarchy.cluster_count()],
         };
+        let clusters = hierarchy.nodes.iter().zip(&mut openness.first);
+        let clusters = clusters.filter(|(node, _)| node.element == NONE);
+        for ((_, first), number) in clusters.zip(0..) {
+            *first = number;
+        }
         for (element, shares) in hierarchy.elements.iter().zip(found) {
             let area = f64::from(hierarchy.node(element.node).area);
             openness.first[element.node as usize] = openness.shares.len() as u32;
             let above = ancestors(hierarchy, element.node);
             for (cluster, &share) in above.zip(&shares) {
                 for (axis, cosine) in half_axes(element.normal) {
-                    let mean = &mut openness.means[cluster as usize][axis];
+                    let number = openness.first[cluster as usize];
+                    let mean = &mut openness.means[number as usize][axis];
                     mean.area += area * cosine;
                     mean.sum += area * cosine * f64::from(share);
                 }
@@ -70,7 +76,8 @@ impl Openness {
         let share = self.shares[self.first[element as usize] as usize + levels];
         let (mut sum, mut area) = (0.0, 0.0);
         for (axis, cosine) in half_axes(direction) {
-            let mean = &self.means[cluster as usize][axis];
+            let number = self.first[cluster as usize];
+            let mean = &self.means[number as usize][axis];
             sum += cosine * mean.sum;
             area += cosine * mean.area;
         }

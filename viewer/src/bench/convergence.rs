@@ -1,12 +1,12 @@
-//! Does more work mean less error? One scene solved at rising qualities, each held against a reference picture and
-//! against paths over all surfaces.
+//! Does more work mean less error? One scene solved step by step along what users trade, quality for one, each solution
+//! held against a reference picture and against paths over all surfaces.
 
 use crate::camera::View;
 use crate::compare::{CompareError, compare};
 use crate::verify::{Estimate, verify};
 use crate::ways;
 use sheen_formats::image::Image;
-use sheen_solver::{Observer, PathTracer, Quality, Scene, SolveConfig, SolveError, solve};
+use sheen_solver::{Observer, PathTracer, Scene, SolveConfig, SolveError, solve};
 use std::fmt::Write;
 
 /// Pictures are averaged over blocks of so many pixels a side first: less noise of the reference.
@@ -23,11 +23,22 @@ pub struct Truth {
     pub source: String,
 }
 
-/// One quality.
+/// What is solved and measured.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// As the table names it.
+    pub label: String,
+    /// How it is solved.
+    pub config: SolveConfig,
+}
+
+/// One step.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Row {
-    /// Its number.
-    pub quality: f32,
+    /// As it is named.
+    pub step: String,
+    /// Quality that it was solved at.
+    pub quality: f64,
     /// Elapsed time of the solve [s].
     pub seconds: f64,
     /// The hierarchy, illumination samples and distributions [B].
@@ -48,13 +59,15 @@ pub struct Row {
     pub rms: Estimate,
 }
 
-/// A ladder of qualities, cheapest first.
+/// A ladder of steps, cheapest first.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Ladder {
     /// What the scene is called.
     pub scene: String,
     /// Where the reference picture comes from.
     pub reference: String,
+    /// What rises from step to step.
+    pub dimension: String,
     /// What was measured.
     pub rows: Vec<Row>,
     /// Slope of log relMSE over log seconds, by least squares; `None` below two rows.
@@ -104,11 +117,11 @@ impl Truth {
     }
 }
 
-/// Solves `scene` at each of `qualities`, and measures. Stopped by the observer: the rows that are there.
+/// Solves `scene` at each of `steps`, and measures. Stopped by the observer: the rows that are there.
 pub fn climb(
     name: &str,
     scene: &Scene,
-    qualities: &[Quality],
+    (dimension, steps): (&str, &[Step]),
     view: &View,
     truth: &Truth,
     probes: u32,
@@ -116,12 +129,8 @@ pub fn climb(
 ) -> Result<Ladder, LadderError> {
     let tracer = PathTracer::new(scene);
     let mut rows = Vec::new();
-    for &quality in qualities {
-        let config = SolveConfig {
-            quality,
-            ..SolveConfig::default()
-        };
-        let solution = solve(scene, &config, observer)?;
+    for step in steps {
+        let solution = solve(scene, &step.config, observer)?;
         let image = ways::cpu::render(&solution, view, ways::ACROSS);
         let compared = compare(&image, &truth.image, DOWNSAMPLE, None)?;
         let Some(found) = verify(&solution, &tracer, probes, 0, observer) else {
@@ -129,14 +138,15 @@ pub fn climb(
         };
         let done = sheen_solver::Progress {
             phase: "ladder",
-            done: (rows.len() + 1) as f32 / qualities.len() as f32,
+            done: (rows.len() + 1) as f32 / steps.len() as f32,
         };
         if observer.report(&done).is_break() {
             break;
         }
         let stats = &solution.stats.solve;
         rows.push(Row {
-            quality: quality.value(),
+            step: step.label.clone(),
+            quality: stats.quality,
             seconds: stats.wall_s,
             bytes: stats.bytes.total,
             links: stats.links + stats.vertex_links,
@@ -151,6 +161,7 @@ pub fn climb(
     Ok(Ladder {
         scene: name.to_owned(),
         reference: truth.source.clone(),
+        dimension: dimension.to_owned(),
         slope: slope(&rows),
         rows,
     })
@@ -185,9 +196,12 @@ impl Ladder {
 
     /// As a table in Markdown.
     pub fn markdown(&self) -> String {
-        let mut text = format!("{} against {}\n\n", self.scene, self.reference);
+        let mut text = format!(
+            "{} against {}\n\n| {} ",
+            self.scene, self.reference, self.dimension
+        );
         text.push_str(
-            "| quality | s | MiB | links | elements | relMSE | FLIP | ratio | bias % | rms error % |\n\
+            "| s | MiB | links | elements | relMSE | FLIP | ratio | bias % | rms error % |\n\
              |--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
         );
         for row in &self.rows {
@@ -199,7 +213,7 @@ impl Ladder {
                 text,
                 "| {} | {:.2} | {:.1} | {} | {} | {:.5} | {:.4} | {:.4} | {bias:+.2} ({bias_low:+.2} to {bias_high:+.2}) \
                  | {rms:.1} ({rms_low:.1} to {rms_high:.1}) |",
-                row.quality,
+                row.step,
                 row.seconds,
                 row.bytes as f64 / f64::from(1 << 20),
                 row.links,
@@ -225,12 +239,13 @@ impl Ladder {
     /// As CSV.
     pub fn csv(&self) -> String {
         let mut text = String::from(
-            "quality,seconds,bytes,links,elements,relmse,flip,ratio,bias,bias_low,bias_high,rms,rms_low,rms_high\n",
+            "step,quality,seconds,bytes,links,elements,relmse,flip,ratio,bias,bias_low,bias_high,rms,rms_low,rms_high\n",
         );
         for row in &self.rows {
             let _ = writeln!(
                 text,
-                "{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+                "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+                row.step,
                 row.quality,
                 row.seconds,
                 row.bytes,
@@ -262,6 +277,7 @@ mod tests {
             high: 0.0,
         };
         Row {
+            step: "0".into(),
             quality: 0.0,
             seconds,
             bytes: 1 << 20,
@@ -283,6 +299,7 @@ mod tests {
         let ladder = Ladder {
             scene: "s".into(),
             reference: "r".into(),
+            dimension: "quality".into(),
             slope: slope(&rows),
             rows,
         };

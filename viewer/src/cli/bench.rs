@@ -1,12 +1,12 @@
 //! `sheen bench convergence SCENE`
 
-use super::{input, note, progress};
-use crate::bench::convergence::{Ladder, Truth, climb};
+use super::{input, note, progress, values};
+use crate::bench::convergence::{Ladder, Step, Truth, climb};
 use crate::bench::plot;
 use crate::camera::View;
 use crate::ways::path::{Budget, trace};
 use anyhow::Context;
-use sheen_solver::{Camera, PathTracer, Quality, Scene};
+use sheen_solver::{Camera, PathTracer, Quality, Scene, SolveConfig};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -17,7 +17,7 @@ pub(super) struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 enum Table {
-    /// Time, memory and error of a scene at rising qualities.
+    /// Time, memory and error of a scene at rising qualities, or along another thing that is traded.
     Convergence(Convergence),
 }
 
@@ -36,6 +36,26 @@ struct Convergence {
         value_name = "Q,Q,..."
     )]
     qualities: Vec<Quality>,
+    /// Deepest subdivisions of directional distributions, at one quality, instead of qualities
+    #[arg(long, value_delimiter = ',', value_name = "N,N,...", conflicts_with = "qualities",
+        value_parser = clap::value_parser!(u32).range(1..=7))]
+    levels: Vec<u32>,
+    /// Largest deviations within cells of distributions, at one quality, instead of qualities
+    #[arg(long, value_delimiter = ',', value_name = "E,E,...", conflicts_with_all = ["qualities", "levels"],
+        value_parser = values::positive)]
+    epsilons: Vec<f64>,
+    /// Memory limits, below which the quality is lowered, instead of qualities
+    #[arg(long, value_delimiter = ',', value_name = "SIZE,SIZE,...",
+        conflicts_with_all = ["qualities", "levels", "epsilons"], value_parser = values::bytes)]
+    memory_limits: Vec<u64>,
+    /// The one quality of levels and deviations, and the highest of memory limits
+    #[arg(
+        long,
+        default_value = "default",
+        value_name = "QUALITY",
+        conflicts_with = "qualities"
+    )]
+    quality: Quality,
     /// Camera of the scene [default: its first]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
@@ -64,6 +84,65 @@ struct Convergence {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     match &args.table {
         Table::Convergence(args) => convergence(args),
+    }
+}
+
+/// What is traded, and its steps.
+fn steps(args: &Convergence) -> (&'static str, Vec<Step>) {
+    let step = |label: String, config: SolveConfig| Step { label, config };
+    let at_quality = SolveConfig {
+        quality: args.quality,
+        ..SolveConfig::default()
+    };
+    let of_level = |&level: &u32| {
+        let max_level = Some(level);
+        step(
+            level.to_string(),
+            SolveConfig {
+                max_level,
+                ..at_quality.clone()
+            },
+        )
+    };
+    let of_epsilon = |&epsilon: &f64| {
+        let deviation = Some(epsilon as f32);
+        step(
+            epsilon.to_string(),
+            SolveConfig {
+                epsilon: deviation,
+                ..at_quality.clone()
+            },
+        )
+    };
+    let of_limit = |&bytes: &u64| {
+        let memory_limit = Some(bytes);
+        let label = format!("{}", bytesize::ByteSize(bytes).display().iec());
+        step(
+            label,
+            SolveConfig {
+                memory_limit,
+                ..at_quality.clone()
+            },
+        )
+    };
+    let of_quality = |&quality: &Quality| {
+        let config = SolveConfig {
+            quality,
+            ..SolveConfig::default()
+        };
+        step(quality.value().to_string(), config)
+    };
+    if !args.levels.is_empty() {
+        ("levels", args.levels.iter().map(of_level).collect())
+    } else if !args.epsilons.is_empty() {
+        ("epsilon", args.epsilons.iter().map(of_epsilon).collect())
+    } else if !args.memory_limits.is_empty() {
+        (
+            "memory limit",
+            args.memory_limits.iter().map(of_limit).collect(),
+        )
+    } else {
+        ("quality", args.qualities.iter().map(of_quality).collect())
     }
 }
 
@@ -99,7 +178,10 @@ fn files(ladder: &Ladder) -> anyhow::Result<Vec<(&'static str, String)>> {
     let points: Vec<(f64, f64, String)> = ladder
         .rows
         .iter()
-        .map(|row| (row.seconds, row.relmse, format!("quality {}", row.quality)))
+        .map(|row| {
+            let label = format!("{} {}", ladder.dimension, row.step);
+            (row.seconds, row.relmse, label)
+        })
         .collect();
     let mut files = vec![
         ("convergence.md", ladder.markdown()),
@@ -129,10 +211,11 @@ fn convergence(args: &Convergence) -> anyhow::Result<()> {
     let truth = truth(args, &scene, &view, &mut observer)?;
     let name = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
     let name = name.to_string_lossy();
+    let (dimension, steps) = steps(args);
     let ladder = climb(
         &name,
         &scene,
-        &args.qualities,
+        (dimension, &steps),
         &view,
         &truth,
         args.probes,
@@ -141,7 +224,7 @@ fn convergence(args: &Convergence) -> anyhow::Result<()> {
     .with_context(|| args.scene.display().to_string())?;
     observer.finish();
     if progress::is_interrupted() {
-        note("interrupted: keeping the qualities that were measured");
+        note("interrupted: keeping the steps that were measured");
     }
     if let Some(folder) = &args.output {
         for (name, text) in files(&ladder)? {

@@ -22,6 +22,10 @@ pub(super) struct SolveArgs {
     /// Deepest subdivision of directional distributions [default: follows from quality and gloss]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=7), value_name = "1..7")]
     levels: Option<u32>,
+    /// Largest deviation within a cell of a directional distribution, as a share of its value, at most 10 [default: follows
+    /// from quality]
+    #[arg(long, value_parser = values::positive, value_name = "SHARE")]
+    epsilon: Option<f64>,
     /// Threads [default: all of the machine]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), value_name = "N")]
     threads: Option<u16>,
@@ -60,6 +64,7 @@ impl SolveArgs {
             time_limit_s: self.time_limit,
             memory_limit: self.memory_limit.or_else(default_memory_limit),
             max_level: self.levels,
+            epsilon: self.epsilon.map(|epsilon| epsilon as f32),
             threads: self.threads.map(usize::from),
             link_tolerance: self.link_tolerance.map(|share| share as f32),
         }
