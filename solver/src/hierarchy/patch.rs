@@ -57,7 +57,7 @@ pub fn merge(points: &[Vec3], normals: &[Vec3], triangles: &[Triangle]) -> (Vec<
         if patch_of[index] != super::NONE {
             continue;
         }
-        // The neighbour with which the quad is closest to a parallelogram.
+        // The neighbour with which the quad is closest to a rectangle.
         let mut best: Option<(f32, u32, Patch)> = None;
         for i in 0..3 {
             let (a, b) = (triangle.points[i], triangle.points[(i + 1) % 3]);
@@ -97,7 +97,7 @@ pub fn merge(points: &[Vec3], normals: &[Vec3], triangles: &[Triangle]) -> (Vec<
 }
 
 /// The quad of `first` and `second`, which share the edge from corner `edge` of `first`, with its skew: how far it
-/// is from a parallelogram, relative to its size.
+/// is from a rectangle, relative to its size.
 fn quad(
     points: &[Vec3],
     normals: &[Vec3],
@@ -138,8 +138,10 @@ fn quad(
         _ => None,
     };
     let skew = (p[0] + p[2] - p[1] - p[3]).length() / size;
+    // In a grid each triangle is half of one square and of two sheared ones.
+    let shear = (p[2] - p[0]).length() - (p[3] - p[1]).length();
     Some((
-        skew,
+        skew + shear.abs() / size,
         Patch {
             points: ids,
             normals: shading,
@@ -173,5 +175,40 @@ mod tests {
                 "keeps the winding: {p:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_grid_of_triangles_is_one_of_squares() {
+        const SIDE: u32 = 4;
+        let at = |i: u32, j: u32| j * (SIDE + 1) + i;
+        let points: Vec<Vec3> = (0..(SIDE + 1) * (SIDE + 1))
+            .map(|p| Vec3::new((p % (SIDE + 1)) as f32, (p / (SIDE + 1)) as f32, 0.0) * 0.1)
+            .collect();
+        // All lower halves first, then all upper ones.
+        let cells = || (0..SIDE * SIDE).map(|cell| (cell % SIDE, cell / SIDE));
+        let lower = cells().map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+        let upper = cells().map(|(i, j)| [at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        let triangles: Vec<Triangle> = lower
+            .chain(upper)
+            .map(|points| Triangle {
+                points,
+                normals: None,
+                material: 0,
+            })
+            .collect();
+        let (patches, _) = merge(&points, &[], &triangles);
+        assert_eq!(patches.len() as u32, SIDE * SIDE);
+    }
+
+    #[test]
+    fn corners_that_are_listed_anew_are_one_point() {
+        let points = [
+            Vec3::ZERO,
+            Vec3::X,
+            Vec3::new(-0.0, 0.0, -0.0),
+            Vec3::X,
+            Vec3::Y,
+        ];
+        assert_eq!(welded(&points), [0, 1, 0, 1, 4]);
     }
 }
