@@ -7,7 +7,7 @@ use glam::Vec3;
 use sheen_formats::solution;
 use sheen_solver::{
     Gloss, Material, PathTracer, Quality, Rgb, Scene, SceneError, Solution, SolveConfig,
-    SolveError, solve,
+    SolveError, Triangle, solve,
 };
 use sheen_tests::measure::{Random, extremes, front_triangles, mean_radiance, mean_radiance_of};
 use sheen_tests::scenes::{self, Builder, brighter, longer};
@@ -450,6 +450,45 @@ fn a_hundred_thousand_lamps() {
     // Φ ρ / (π A (1 - ρ)) in the mean of a closed room.
     let expected = 4.0 * PI * 10.0 / (6.0 * PI);
     assert_close("mean radiance", mean(&scene, &solution), expected, 0.01);
+}
+
+#[test]
+fn ten_million_triangles() {
+    // A bumpy ground of 2,236² squares: valid, and refused at once where it cannot be held.
+    const SIDE: u32 = 2236;
+    let mut builder = Builder::new();
+    let ground = builder.lambert("ground", 0.5, 0.0);
+    let row = SIDE + 1;
+    let mut random = Random::new(3);
+    let points = (0..row * row).map(|i| {
+        let bump = 0.01 * random.unit();
+        Vec3::new((i % row) as f32, bump, (i / row) as f32)
+    });
+    builder.parts.points.extend(points);
+    for i in (0..row * SIDE).filter(|i| i % row < SIDE) {
+        for points in [[i, i + row, i + 1], [i + 1, i + row, i + row + 1]] {
+            builder.parts.triangles.push(Triangle {
+                points,
+                normals: None,
+                material: ground,
+            });
+        }
+    }
+    builder.point_light(Vec3::new(1e3, 1e3, 1e3), 1e6);
+    let scene = builder.build();
+    let count = scene.triangles().len();
+    assert_eq!(count, 2 * (SIDE as usize).pow(2));
+    let limit = 1 << 30;
+    let config = SolveConfig {
+        memory_limit: Some(limit),
+        ..SolveConfig::default()
+    };
+    let refused = solve(&scene, &config, &mut ()).unwrap_err();
+    println!("{count} triangles: {refused}");
+    assert!(
+        matches!(refused, SolveError::Memory { needed, .. } if needed > limit),
+        "{refused}"
+    );
 }
 
 #[test]
