@@ -2,9 +2,7 @@
 //!
 //! Müller, Gross and Novák 2017, "Practical path guiding for efficient light-transport simulation", section 3.2.
 
-use crate::geometry::sampling::sphere_direction;
 use glam::{Vec2, Vec3};
-use std::f32::consts::{PI, TAU};
 
 /// A cell with more directions than this is split.
 const MOST_IN_CELL: usize = 32;
@@ -25,16 +23,49 @@ pub(super) struct Directions {
     cells: Vec<Cell>,
 }
 
-/// The point of the unit square of a unit direction; areas are solid angles over 4π.
+/// Solid angle per area of the square at the ends of a quarter turn [sr].
+const SOLID_ANGLE: f32 = 8.0;
+
+/// The point of the unit square of a unit direction: its turn around z, even along the sides of a diamond instead of a
+/// circle, and its height.
 pub(super) fn to_square(direction: Vec3) -> Vec2 {
-    let turn = direction.y.atan2(direction.x) / TAU;
-    let turn = if turn < 0.0 { turn + 1.0 } else { turn };
+    let Vec3 { x, y, z } = direction;
+    let (quarter, along, across) = match (x > 0.0, y > 0.0) {
+        (true, true) => (0.0, y, x),
+        (false, true) => (1.0, -x, y),
+        (false, false) => (2.0, -y, -x),
+        (true, false) => (3.0, x, -y),
+    };
+    let whole = along + across;
+    let part = if whole > 0.0 { along / whole } else { 0.0 };
     // Rounding must not leave the last cell.
     const LAST: f32 = 1.0 - f32::EPSILON;
     Vec2::new(
-        turn.clamp(0.0, LAST),
-        (direction.z * 0.5 + 0.5).clamp(0.0, LAST),
+        ((quarter + part) * 0.25).clamp(0.0, LAST),
+        (z * 0.5 + 0.5).clamp(0.0, LAST),
     )
+}
+
+/// The unit direction of a point of the square.
+fn from_square(at: Vec2) -> Vec3 {
+    let turn = at.x * 4.0;
+    let part = turn.fract();
+    let (along, across) = (part, 1.0 - part);
+    let (x, y) = match turn as u32 {
+        0 | 4 => (across, along),
+        1 => (-along, across),
+        2 => (-across, -along),
+        _ => (along, -across),
+    };
+    let z = at.y * 2.0 - 1.0;
+    let height = ((1.0 - z * z).max(0.0) / (along * along + across * across)).sqrt();
+    Vec3::new(x * height, y * height, z)
+}
+
+/// Area of the square per solid angle at a point of it [sr⁻¹].
+fn per_solid_angle(at: Vec2) -> f32 {
+    let part = (at.x * 4.0).fract();
+    (part * part + (1.0 - part) * (1.0 - part)) / SOLID_ANGLE
 }
 
 /// The quadrant that `at` lies in, and where in it.
@@ -63,7 +94,7 @@ impl Directions {
     pub(super) fn sample(&self, at: Vec2) -> (Vec3, f32) {
         let mut at = at;
         let (mut corner, mut side) = (Vec2::ZERO, 1.0);
-        let mut density = 0.25 / PI;
+        let mut density = 1.0;
         let mut index = 0;
         loop {
             let cell = &self.cells[index as usize];
@@ -88,8 +119,8 @@ impl Directions {
             density *= 4.0 * cell.shares[quadrant];
             index = cell.children[quadrant];
             if index == EVEN {
-                let within = at.clamp(Vec2::ZERO, Vec2::ONE);
-                return (sphere_direction(corner + within * side), density);
+                let within = corner + at.clamp(Vec2::ZERO, Vec2::ONE) * side;
+                return (from_square(within), density * per_solid_angle(within));
             }
         }
     }
@@ -97,7 +128,7 @@ impl Directions {
     /// Density of [`Self::sample`] [sr⁻¹].
     pub(super) fn density(&self, direction: Vec3) -> f32 {
         let mut at = to_square(direction);
-        let mut density = 0.25 / PI;
+        let mut density = per_solid_angle(at);
         let mut index = 0;
         while index != EVEN && density > 0.0 {
             let cell = &self.cells[index as usize];
@@ -155,11 +186,23 @@ mod tests {
     fn directions_return_from_the_square() {
         for i in 0..1000 {
             let at = spread(i);
-            assert!(
-                (to_square(sphere_direction(at)) - at).length() < 1e-5,
-                "{at}"
-            );
+            assert!((to_square(from_square(at)) - at).length() < 1e-5, "{at}");
         }
+    }
+
+    #[test]
+    fn the_square_covers_the_sphere() {
+        const SIDE: u32 = 512;
+        let mut whole = 0.0;
+        for i in 0..SIDE * SIDE {
+            let at = (UVec2::new(i % SIDE, i / SIDE).as_vec2() + 0.5) / SIDE as f32;
+            assert!((from_square(at).length() - 1.0).abs() < 1e-6);
+            whole += f64::from(1.0 / per_solid_angle(at)) / f64::from(SIDE * SIDE);
+        }
+        assert!(
+            (whole / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4,
+            "{whole}"
+        );
     }
 
     #[test]
@@ -183,7 +226,7 @@ mod tests {
         for i in 0..ROWS * ROWS {
             let even = (UVec2::new(i % ROWS, i / ROWS).as_vec2() + 0.5) / ROWS as f32;
             let there = part(even);
-            let share = learned.density(sphere_direction(even)) * 4.0 * PI;
+            let share = learned.density(from_square(even)) / per_solid_angle(even);
             expected[there.y][there.x] += f64::from(share) / f64::from(ROWS * ROWS);
         }
         assert!(differing < COUNT / 1000, "{differing}");

@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_1_PI;
 /// A path surely goes on while it may bring more than one over this of its pixel's radiance.
 const WORTH: f32 = 5.0;
 /// What is known about light is rough: a path goes on with at least this share of what it may carry.
-const LEAST: f32 = 0.1;
+const LEAST: f32 = 0.3;
 /// Where nothing is known about light, bounces before roulette starts.
 const SURE: u32 = 2;
 /// From this bounce on no path lives with more than [`MOST_CHANCE`]: paths between mirrors end too.
