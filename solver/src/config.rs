@@ -112,13 +112,15 @@ impl Settings {
         let q = quality.value();
         // Values at quality 0 and 3, interpolated in the logarithm.
         let knob = |draft: f32, high: f32| draft * (high / draft).powf(q / 3.0);
+        // From default to high errors halve, as a picture shows them, when these fall by more than the rest.
+        let beyond_default = |factor: f32| factor.powf((q - 2.0).max(0.0));
         let step = |values: [u32; 4]| values[(q.round() as usize).min(3)];
         Self {
-            link_tolerance: knob(4e-4, 1.5e-5),
+            link_tolerance: knob(4e-4, 1.5e-5) * beyond_default(0.72),
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
-            epsilon: knob(0.7, 0.1),
+            epsilon: knob(0.7, 0.1) * beyond_default(0.77),
             transport_epsilon: knob(1.5, 0.2),
             least_directional: knob(0.15, 0.01),
             transport_level: step([4, 4, 5, 6]),
@@ -127,7 +129,7 @@ impl Settings {
             unshot_share: knob(2e-2, 5e-4),
             gather: q > 0.0,
             dark_share: knob(0.4, 0.1),
-            vertex_tolerance: knob(0.16, 0.013),
+            vertex_tolerance: knob(0.16, 0.013) * beyond_default(0.66),
             vertex_strata: step([2, 2, 3, 4]),
             mesh_tolerance: knob(0.25, 0.04),
             max_edge: knob(1.0 / 6.0, 1.0 / 32.0),
