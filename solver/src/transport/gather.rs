@@ -5,7 +5,7 @@
 //! Cost: a bound and a pyramid per link, rays where much stands in between.
 
 use crate::geometry::Cone;
-use crate::hierarchy::{Hierarchy, NONE};
+use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::blockers::Blockers;
 use crate::transport::exitant::Exitant;
@@ -288,6 +288,10 @@ impl Gather<'_> {
                 return bounds.high;
             }
             share += DIRECTIONS * (high - low) / middle;
+            if !is_cluster && hierarchy.has_children_among(id, self.node_count) {
+                let parts = self.mean_of_parts(hierarchy, id, receiver.centre);
+                share += DIRECTIONS * (parts - middle).abs() / middle;
+            }
             if is_cluster {
                 // The sample comes from the middle of the light, and may just miss it all.
                 strength = strength.max(middle / (bounds.distance * bounds.distance));
@@ -303,6 +307,21 @@ impl Gather<'_> {
             share += SHAPE * gloss.share * (seen * seen).min(1.0);
         }
         strength * share
+    }
+
+    /// Mean radiance of the children of an element towards a point [mean over channels]. Each mirrors a near lamp elsewhere: the
+    /// mean of their distributions is a wider lobe than theirs.
+    fn mean_of_parts(&self, hierarchy: &Hierarchy, id: NodeId, point: Vec3) -> f32 {
+        let (mut sum, mut areas) = (0.0, 0.0);
+        for child in hierarchy.children(id) {
+            let node = hierarchy.node(child);
+            let area = self.exitant.area[child as usize];
+            if let Some(direction) = (point - node.centre).try_normalize() {
+                sum += self.exitant.towards(child, direction).mean() * area;
+                areas += area;
+            }
+        }
+        if areas > 0.0 { sum / areas } else { 0.0 }
     }
 
     fn point_lights(
