@@ -57,6 +57,8 @@ pub(crate) fn export(
             watch,
         );
         if !watch.is_stopped() {
+            // Centres come after all others, in both.
+            debug_assert_eq!(lit.len(), mesh.vertices.len());
             for (element, irradiance) in light.known_centres(&hierarchy, &centres) {
                 mesh.add_centre(&mut hierarchy, &element);
                 lit.push(light.diffuse(&element, irradiance));

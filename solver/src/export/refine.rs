@@ -73,8 +73,9 @@ fn has_deep_edge(hierarchy: &Hierarchy, element: &Element) -> bool {
     })
 }
 
-/// Gathers at all vertices, splits leaves whose centre is mispredicted, and so on down to the smallest size. Returns the
-/// irradiance in the middle of nodes, where it was looked at.
+/// Gathers at all vertices, splits leaves whose centre is mispredicted, and so on down to the smallest size: unless
+/// stopped, every vertex of `mesh` is in `lit` then. Returns the irradiance in the middle of nodes, where it was looked
+/// at.
 pub(super) fn gather_and_split(
     hierarchy: &mut Hierarchy,
     mesh: &mut Mesh,
@@ -89,10 +90,10 @@ pub(super) fn gather_and_split(
     };
     let mut tested = vec![false; hierarchy.nodes.len()];
     let mut centres: Vec<Option<Rgb>> = vec![None; hierarchy.nodes.len()];
-    // Each pass halves the leaves: with size 1 and the smallest edge, no more than this many.
-    let passes = (1.0 / (settings.min_edge * detail.least())).log2().ceil() as u32 + 1;
-    for pass in 0..passes {
-        let done = |pass: u32| 0.5 + 0.45 * (1.0 - 0.6f32.powi(pass as i32));
+    // Every pass but the last splits large leaves, so passes end; balancing splits others, which the next one looks at.
+    let mut pass = 0;
+    loop {
+        let done = |pass: i32| 0.5 + 0.45 * (1.0 - 0.6f32.powi(pass));
         light.gather_missing(hierarchy, mesh, lit, watch, done(pass)..done(pass + 1));
         if watch.is_stopped() {
             return centres;
@@ -142,10 +143,10 @@ pub(super) fn gather_and_split(
             }
         }
         if !any {
-            break;
+            return centres;
         }
         balance(hierarchy);
         mesh.add_corners(hierarchy);
+        pass += 1;
     }
-    centres
 }

@@ -68,11 +68,6 @@ impl Detail {
         let away = point.distance(point.clamp(self.lower, self.upper)) * self.per_unit;
         (self.size.max(away) / WHOLE).min(1.0)
     }
-
-    /// The least that [`Self::at`] gives.
-    pub fn least(&self) -> f32 {
-        (self.size / WHOLE).min(1.0)
-    }
 }
 
 #[cfg(test)]
@@ -89,6 +84,11 @@ mod tests {
         ])
     }
 
+    /// The least that [`Detail::at`] gives.
+    fn least(detail: &Detail) -> f32 {
+        (detail.size / WHOLE).min(1.0)
+    }
+
     #[test]
     fn a_table_on_a_large_ground_stands_alone() {
         let ground = square(Vec3::ZERO, 0.5);
@@ -96,18 +96,18 @@ mod tests {
         let shapes = [ground, square(table, 0.01), square(table * 1.1, 0.005)];
         let detail = Detail::of(&shapes);
         assert!(detail.at(table) < 0.1, "{}", detail.at(table));
-        assert_eq!(detail.at(table), detail.least());
+        assert_eq!(detail.at(table), least(&detail));
         let (near, far) = (Vec3::new(0.1, 0.0, 0.1), Vec3::new(-0.5, 0.0, -0.5));
-        assert!(detail.at(near) > detail.least() && detail.at(near) < 0.25);
+        assert!(detail.at(near) > least(&detail) && detail.at(near) < 0.25);
         assert_eq!(detail.at(far), 1.0);
     }
 
     #[test]
     fn rooms_are_whole() {
         let ground = square(Vec3::ZERO, 0.5);
-        assert_eq!(Detail::of(&[ground]).least(), 1.0);
+        assert_eq!(least(&Detail::of(&[ground])), 1.0);
         let place = |x: f32, z: f32| square(Vec3::new(x, 0.1, z), 0.05);
         let furnished = [ground, place(-0.4, 0.3), place(0.3, 0.1), place(0.0, -0.4)];
-        assert_eq!(Detail::of(&furnished).least(), 1.0);
+        assert_eq!(least(&Detail::of(&furnished)), 1.0);
     }
 }
