@@ -1,5 +1,6 @@
 //! Every knob of a solve: default, range, price. One number, the quality, sets them all.
 
+pub use crate::directional::Basis;
 use crate::error::SolveError;
 use std::str::FromStr;
 
@@ -63,9 +64,96 @@ impl FromStr for Quality {
     }
 }
 
+/// What becomes of light that arrives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// It is kept as samples, whose sum is reflected (§3.2, §3.3).
+    #[default]
+    IlluminationSamples,
+    /// It is kept as samples, which are reflected one by one: "summing reflections" of table 1.
+    SummedReflections,
+    /// It is pushed to the leaves at once and reflected there, link by link (§2.2).
+    RadianceClustering,
+}
+
+impl FromStr for Method {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "is" => Ok(Self::IlluminationSamples),
+            "sr" => Ok(Self::SummedReflections),
+            "rc" => Ok(Self::RadianceClustering),
+            _ => Err(format!(
+                "'{text}' is none of is (illumination samples), sr (summed reflections), rc (radiance clustering)"
+            )),
+        }
+    }
+}
+
+/// Which light an iteration moves (§3.4).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scheme {
+    /// What the iteration before has found.
+    #[default]
+    Shooting,
+    /// All that is known.
+    Gathering,
+}
+
+impl FromStr for Scheme {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "shooting" => Ok(Self::Shooting),
+            "gathering" => Ok(Self::Gathering),
+            _ => Err(format!("'{text}' is neither shooting nor gathering")),
+        }
+    }
+}
+
+/// What the deviation within a cell of a distribution is held against (§5.1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Refiner {
+    /// The radiance there.
+    #[default]
+    Relative,
+    /// The typical radiance of the scene.
+    Absolute,
+}
+
+impl FromStr for Refiner {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "relative" => Ok(Self::Relative),
+            "absolute" => Ok(Self::Absolute),
+            _ => Err(format!("'{text}' is neither relative nor absolute")),
+        }
+    }
+}
+
+impl FromStr for Basis {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "haar" => Ok(Self::Haar),
+            "uniform" => Ok(Self::Uniform),
+            _ => Err(format!("'{text}' is neither haar nor uniform")),
+        }
+    }
+}
+
 /// Everything that follows from the quality. Each knob may be overridden in [`crate::SolveConfig`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
+    /// What becomes of light that arrives.
+    pub method: Method,
+    /// Which light an iteration moves.
+    pub scheme: Scheme,
+    /// When directions are refined.
+    pub refiner: Refiner,
+    /// What distributions are stored on.
+    pub basis: Basis,
     /// Tolerance of a link as a share of the emitted power (§3.1). Smaller: more links, about as its inverse.
     pub link_tolerance: f32,
     /// Largest error of the irradiance of a link as a share of what the emitted power would be, spread evenly: small
@@ -116,6 +204,10 @@ impl Settings {
         let beyond_default = |factor: f32| factor.powf((q - 2.0).max(0.0));
         let step = |values: [u32; 4]| values[(q.round() as usize).min(3)];
         Self {
+            method: Method::default(),
+            scheme: Scheme::default(),
+            refiner: Refiner::default(),
+            basis: Basis::default(),
             link_tolerance: knob(4e-4, 1.5e-5) * beyond_default(0.72),
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),

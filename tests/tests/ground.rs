@@ -61,7 +61,7 @@ fn traced(scene: &Scene, height: f32, up: f32) -> f64 {
 
 #[test]
 fn a_slab_is_lit_from_below_however_large_the_ground() {
-    for half in [1.5, 6.0, 30.0] {
+    for half in [1.5, 6.0, 30.0, 400.0] {
         let scene = slab(half);
         let config = SolveConfig {
             quality: Quality::DEFAULT,

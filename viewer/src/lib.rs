@@ -8,6 +8,7 @@ pub mod camera;
 pub mod cli;
 pub mod compare;
 pub mod gpu;
+pub mod memory;
 pub mod panels;
 pub mod passes;
 pub mod script;

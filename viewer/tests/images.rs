@@ -6,6 +6,7 @@ mod common;
 use common::{add_grid, display_differences, empty, gpu, lobe, pack, room};
 use glam::Vec3;
 use sheen_formats::image::Image;
+use sheen_solver::directional::{Basis, Projection, Projector, Source, packed};
 use sheen_solver::{Rgb, Solution};
 use sheen_viewer::camera::View;
 use sheen_viewer::gpu::Gpu;
@@ -64,6 +65,63 @@ fn device_and_processor_agree() {
         let processor = cpu::render(&solution, &view, 4);
         assert!(device.pixels.iter().any(|p| !p.is_black()));
         assert_alike(&device, &processor, &format!("eye {eye}"));
+    }
+}
+
+/// The distributions of `solution` on the uniform basis.
+fn on_uniform_basis(mut solution: Solution, level: u32) -> Solution {
+    struct Stored<'a>(&'a [u32]);
+    impl Source for Stored<'_> {
+        fn eval(&mut self, _: &[u32], direction: Vec3) -> Rgb {
+            packed::evaluate(self.0, direction)
+        }
+        fn narrow(&self, _: &mut Vec<u32>, _: std::ops::Range<usize>, _: Vec3, _: usize) {}
+        fn candidate_count(&self) -> u32 {
+            0
+        }
+        fn hidden_peak(&self, _: &[u32], _: Vec3, _: usize) -> f32 {
+            0.0
+        }
+    }
+    let how = Projection {
+        min_level: level,
+        max_level: level,
+        epsilon: 1.0,
+        floor: 0.0,
+        relative: true,
+        horizon: None,
+        integral: None,
+        basis: Basis::Uniform,
+    };
+    let mut words = Vec::new();
+    let mut offsets = solution.distribution_offset.clone();
+    for (vertex, offset) in offsets.iter_mut().enumerate() {
+        if let Some(stored) = solution.distribution(vertex) {
+            *offset = words.len() as u32;
+            Projector::default().project(&mut Stored(stored), &how, &mut words);
+        }
+    }
+    (solution.distribution_words, solution.distribution_offset) = (words, offsets);
+    solution
+}
+
+#[test]
+fn the_uniform_basis_looks_the_same_on_both() {
+    let Some(gpu) = gpu("the_uniform_basis_looks_the_same_on_both") else {
+        return;
+    };
+    let adaptive = room();
+    for level in [0, 1, 4] {
+        let solution = on_uniform_basis(room(), level);
+        let view = view(&solution, |_| {});
+        let device = on_device(&gpu, &solution, Limits::default(), &view, 2);
+        let processor = cpu::render(&solution, &view, 2);
+        assert_alike(&device, &processor, &format!("level {level}"));
+        let expected = cpu::render(&adaptive, &view, 2);
+        let same = display_differences(&processor, &expected);
+        let mean = same.iter().map(|&d| f64::from(d)).sum::<f64>() / same.len() as f64;
+        eprintln!("level {level}: mean difference to the adaptive basis {mean:.3}/255");
+        assert!(level < 4 || mean < 1.0, "{mean}");
     }
 }
 

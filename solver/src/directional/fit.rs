@@ -1,8 +1,9 @@
 //! Values at the corners of a refined octahedron: continuous over hanging corners, with the means and the power of the
 //! function that they stand for.
 
-use super::haar::{Cell, Projection, Projector};
+use super::haar::{Projection, Projector};
 use super::octahedron;
+use super::tree::Tree;
 use crate::radiometry::Rgb;
 use glam::Vec3;
 
@@ -17,20 +18,14 @@ impl Projector {
             .map_or(1.0, |target| self.correction(target, how.horizon))
     }
 
-    /// Leaves that are stored.
-    pub(super) fn leaves(&self) -> impl Iterator<Item = &Cell> {
-        let is_stored = |cell: &&Cell| cell.first_child == 0 && !cell.below_horizon;
-        self.cells.iter().filter(is_stored)
-    }
-
     /// Vertices that hang in a larger neighbour's edge, with its ends; larger cells first.
     fn hanging_vertices(&self) -> Vec<[u32; 3]> {
         let mut hanging = Vec::new();
-        let deepest = self.cells.iter().map(|c| c.level).max().unwrap_or(0);
+        let deepest = self.tree.cells.iter().map(|c| c.level).max().unwrap_or(0);
         for level in 0..deepest {
-            for cell in self.leaves().filter(|cell| cell.level == level) {
-                for (a, b) in Self::edges(cell) {
-                    hanging.extend(self.midpoint_of(a, b).map(|m| [m, a, b]));
+            for (_, cell) in self.tree.leaves().filter(|(_, cell)| cell.level == level) {
+                for (a, b) in Tree::edges(cell) {
+                    hanging.extend(self.tree.midpoint_of(a, b).map(|m| [m, a, b]));
                 }
             }
         }
@@ -40,8 +35,8 @@ impl Projector {
     /// Gives hanging vertices the mean of the ends of their edge.
     fn constrain(&mut self, hanging: &[[u32; 3]]) {
         for &[middle, a, b] in hanging {
-            self.values[middle as usize] =
-                (self.values[a as usize] + self.values[b as usize]) * 0.5;
+            self.tree.values[middle as usize] =
+                (self.tree.values[a as usize] + self.tree.values[b as usize]) * 0.5;
         }
     }
 
@@ -51,13 +46,13 @@ impl Projector {
     /// need: nothing becomes negative, and the sum of the means is right after one step (that of Richardson 1972 and
     /// Lucy 1974).
     fn keep_means(&mut self, hanging: &[[u32; 3]]) {
-        let mut factors = vec![(Rgb::BLACK, 0.0f32); self.values.len()];
-        for cell in self.leaves() {
+        let mut factors = vec![(Rgb::BLACK, 0.0f32); self.tree.values.len()];
+        for (index, cell) in self.tree.leaves() {
             // Cells of a level are alike in size.
             let area = 0.25f32.powi(i32::from(cell.level));
-            let [a, b, c] = cell.vertices.map(|v| self.values[v as usize]);
+            let [a, b, c] = cell.vertices.map(|v| self.tree.values[v as usize]);
             let linear = (a + b + c) / 3.0;
-            let needed = cell.centre.map_or(Rgb::WHITE, |centre| {
+            let needed = self.centres[index].map_or(Rgb::WHITE, |centre| {
                 let ratio = |centre: f32, linear: f32| {
                     if linear > 0.0 {
                         0.25 + 0.75 * centre / linear
@@ -84,7 +79,7 @@ impl Projector {
                 factors[end as usize].1 += weight * 0.5;
             }
         }
-        for (value, (sum, weight)) in self.values.iter_mut().zip(factors) {
+        for (value, (sum, weight)) in self.tree.values.iter_mut().zip(factors) {
             if weight > 0.0 {
                 *value = *value * (sum / weight);
             }
@@ -95,10 +90,14 @@ impl Projector {
     /// of two has missed something that no factor mends.
     fn correction(&self, target: f32, horizon: Option<Vec3>) -> f32 {
         let mut sum = 0.0f64;
-        for cell in self.leaves() {
-            let values = cell.vertices.map(|v| self.values[v as usize].mean());
-            let of_cell =
-                octahedron::integral(self.corners(cell), values, horizon, usize::from(cell.level));
+        for (_, cell) in self.tree.leaves() {
+            let values = cell.vertices.map(|v| self.tree.values[v as usize].mean());
+            let of_cell = octahedron::integral(
+                self.tree.corners(cell),
+                values,
+                horizon,
+                usize::from(cell.level),
+            );
             sum += f64::from(of_cell);
         }
         if sum > 0.0 {

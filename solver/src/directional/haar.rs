@@ -8,11 +8,11 @@
 //! hold in the end is `fit`'s.
 //! Cost: one evaluation of the function per corner and per centre of a cell.
 
-use super::octahedron::{self, Corners};
-use super::packed::{self, Part};
+use super::octahedron;
+use super::tree::{AXES, Tree};
+use super::uniform;
 use crate::radiometry::Rgb;
 use glam::Vec3;
-use rustc_hash::FxHashMap;
 
 /// A function over directions that is to be projected.
 pub trait Source {
@@ -56,6 +56,18 @@ pub struct Projection {
     /// The integral that the result must have [mean over channels]: over the sphere, or cosine-weighted over the
     /// horizon's hemisphere if there is one. `None`: as sampled.
     pub integral: Option<f32>,
+    /// What it is projected on.
+    pub basis: Basis,
+}
+
+/// A basis over directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Basis {
+    /// The octahedron, subdivided where the function varies (§4.2).
+    #[default]
+    Haar,
+    /// The tetrahedron, subdivided evenly to the deepest level (§4.1).
+    Uniform,
 }
 
 /// What a projection cost.
@@ -67,18 +79,6 @@ pub struct ProjectionCost {
     pub evaluations: u64,
 }
 
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
-    pub(super) vertices: [u32; 3],
-    /// First of four children, 0 for none: the octants take 0..8, so no child has the number 0.
-    pub(super) first_child: u32,
-    candidates: (u32, u32),
-    pub(super) level: u8,
-    pub(super) below_horizon: bool,
-    /// The source in the middle of a leaf, where that was evaluated.
-    pub(super) centre: Option<Rgb>,
-}
-
 /// A range of samples counts this much against a deviation from the linear: of an S-shaped flank the centre shows
 /// nothing.
 const RANGE_WEIGHT: f32 = 0.15;
@@ -86,23 +86,18 @@ const RANGE_WEIGHT: f32 = 0.15;
 /// Scratch memory of projections; one per thread.
 #[derive(Default)]
 pub struct Projector {
-    pub(super) cells: Vec<Cell>,
-    directions: Vec<Vec3>,
-    pub(super) values: Vec<Rgb>,
-    midpoints: FxHashMap<(u32, u32), u32>,
+    pub(super) tree: Tree,
+    /// What its values still have to be multiplied with.
+    pub(super) factor: f32,
+    /// Candidates of each cell, as a range of the list below.
+    candidates_of: Vec<(u32, u32)>,
     candidates: Vec<u32>,
+    /// The source in the middle of each cell, where that was evaluated.
+    pub(super) centres: Vec<Option<Rgb>>,
     evaluations: u64,
+    /// On the uniform basis: the packed distribution.
+    pub(super) even: Vec<u32>,
 }
-
-/// Vertices 0..6 of every projection: +x, +y, +z, -x, -y, -z.
-const AXES: [Vec3; 6] = [
-    Vec3::X,
-    Vec3::Y,
-    Vec3::Z,
-    Vec3::NEG_X,
-    Vec3::NEG_Y,
-    Vec3::NEG_Z,
-];
 
 impl Projector {
     /// Projects `source` and appends the packed distribution to `words`.
@@ -112,83 +107,85 @@ impl Projector {
         how: &Projection,
         words: &mut Vec<u32>,
     ) -> ProjectionCost {
+        let evaluations = self.project_only(source, how);
+        ProjectionCost {
+            basis_functions: self.pack(words),
+            evaluations,
+        }
+    }
+
+    /// Appends what was projected last to `words`; returns the number of basis functions.
+    pub(crate) fn pack(&self, words: &mut Vec<u32>) -> u64 {
+        if !self.even.is_empty() {
+            words.extend_from_slice(&self.even);
+            return self.basis_functions();
+        }
+        self.tree.pack(self.factor, words)
+    }
+
+    /// The number of basis functions of what was projected last.
+    pub(crate) fn basis_functions(&self) -> u64 {
+        if !self.even.is_empty() {
+            return uniform::vertex_count(self.even[1]) as u64;
+        }
+        let is_lit = |&&v: &&u32| !self.tree.values[v as usize].is_black();
+        let leaves = self.tree.leaves();
+        leaves
+            .filter(|(_, cell)| cell.vertices.iter().any(|v| is_lit(&v)))
+            .count() as u64
+    }
+
+    /// The same as [`Self::project`], but nothing is packed; returns the evaluations.
+    pub(crate) fn project_only(&mut self, source: &mut impl Source, how: &Projection) -> u64 {
+        self.even.clear();
+        if how.basis == Basis::Uniform {
+            return uniform::project(source, how, &mut self.even);
+        }
         self.reset(source, how);
         let mut pending: Vec<u32> = (0..8).rev().collect();
         while let Some(cell) = pending.pop() {
             if self.wants_split(cell, source, how) {
-                let first = self.split(cell, source, how);
+                let first = self.split(cell, source);
                 pending.extend((first..first + 4).rev());
             }
         }
-        self.balance(source, how);
-        let scale = self.fit(how);
-        let basis_functions = self.pack(scale, words);
-        ProjectionCost {
-            basis_functions,
-            evaluations: self.evaluations,
-        }
+        self.balance(source);
+        self.factor = self.fit(how);
+        self.evaluations
     }
 
     fn reset(&mut self, source: &mut impl Source, how: &Projection) {
-        self.cells.clear();
-        self.midpoints.clear();
+        self.tree.clear(how.horizon);
         self.candidates.clear();
         self.candidates.extend(0..source.candidate_count());
-        self.directions.clear();
-        self.directions.extend(AXES);
-        self.values.clear();
-        let all = 0..self.candidates.len();
-        self.values
-            .extend(AXES.map(|axis| source.eval(&self.candidates[all.clone()], axis)));
-        self.evaluations = 6;
-        for octant in 0..8u32 {
-            let vertices = [0, 1, 2].map(|axis| axis + 3 * (octant >> axis & 1));
-            self.push_cell(vertices, (0, all.end as u32), 0, source, how);
+        self.tree.values.clear();
+        let values = AXES.map(|axis| source.eval(&self.candidates, axis));
+        self.tree.values.extend(values);
+        self.evaluations = AXES.len() as u64;
+        self.candidates_of.clear();
+        self.centres.clear();
+        let all = (0, self.candidates.len() as u32);
+        self.narrow_new(all, source);
+    }
+
+    /// Finds the candidates of cells that have none yet, among those of what they are part of.
+    fn narrow_new(&mut self, (start, end): (u32, u32), source: &impl Source) {
+        for index in self.candidates_of.len()..self.tree.cells.len() {
+            let cell = &self.tree.cells[index];
+            let first = self.candidates.len();
+            if !cell.below_horizon {
+                let range = start as usize..end as usize;
+                let centre = octahedron::centre(self.tree.corners(cell));
+                source.narrow(&mut self.candidates, range, centre, usize::from(cell.level));
+            }
+            let range = (first as u32, self.candidates.len() as u32);
+            self.candidates_of.push(range);
+            self.centres.push(None);
         }
-    }
-
-    pub(super) fn corners(&self, cell: &Cell) -> Corners {
-        cell.vertices.map(|v| self.directions[v as usize])
-    }
-
-    fn push_cell(
-        &mut self,
-        vertices: [u32; 3],
-        (start, end): (u32, u32),
-        level: u8,
-        source: &impl Source,
-        how: &Projection,
-    ) {
-        let mut cell = Cell {
-            vertices,
-            first_child: 0,
-            candidates: (0, 0),
-            level,
-            below_horizon: false,
-            centre: None,
-        };
-        let centre = octahedron::centre(self.corners(&cell));
-        let radius = octahedron::radius(usize::from(level));
-        cell.below_horizon = how
-            .horizon
-            .is_some_and(|normal| normal.dot(centre) < -radius.sin());
-        let first = self.candidates.len();
-        if !cell.below_horizon {
-            let range = start as usize..end as usize;
-            source.narrow(&mut self.candidates, range, centre, usize::from(level));
-        }
-        cell.candidates = (first as u32, self.candidates.len() as u32);
-        self.cells.push(cell);
-    }
-
-    fn eval(&mut self, cell: u32, source: &mut impl Source, direction: Vec3) -> Rgb {
-        let (start, end) = self.cells[cell as usize].candidates;
-        self.evaluations += 1;
-        source.eval(&self.candidates[start as usize..end as usize], direction)
     }
 
     fn wants_split(&mut self, index: u32, source: &mut impl Source, how: &Projection) -> bool {
-        let cell = self.cells[index as usize];
+        let cell = self.tree.cells[index as usize];
         let level = u32::from(cell.level);
         if cell.below_horizon || level >= how.max_level {
             return false;
@@ -196,13 +193,14 @@ impl Projector {
         if level < how.min_level.max(1) {
             return true;
         }
-        let values = cell.vertices.map(|v| self.values[v as usize]);
-        let (start, end) = cell.candidates;
-        let middle = octahedron::centre(self.corners(&cell));
+        let values = cell.vertices.map(|v| self.tree.values[v as usize]);
+        let (start, end) = self.candidates_of[index as usize];
+        let middle = octahedron::centre(self.tree.corners(&cell));
         let candidates = &self.candidates[start as usize..end as usize];
         let hidden = source.hidden_peak(candidates, middle, level as usize);
-        let centre = self.eval(index, source, middle);
-        self.cells[index as usize].centre = Some(centre);
+        let centre = source.eval(candidates, middle);
+        self.evaluations += 1;
+        self.centres[index as usize] = Some(centre);
         let largest = values.iter().fold(centre, |m, &v| m.max(v));
         let smallest = values.iter().fold(centre, |m, &v| m.min(v));
         let mean = (values[0] + values[1] + values[2]) / 3.0;
@@ -213,105 +211,39 @@ impl Projector {
     }
 
     /// Splits a leaf; returns its first child.
-    fn split(&mut self, index: u32, source: &mut impl Source, how: &Projection) -> u32 {
-        let cell = self.cells[index as usize];
-        let [a, b, c] = cell.vertices;
-        let m12 = self.midpoint(index, b, c, source);
-        let m20 = self.midpoint(index, c, a, source);
-        let m01 = self.midpoint(index, a, b, source);
-        let first = self.cells.len() as u32;
-        for vertices in [[a, m01, m20], [m01, b, m12], [m20, m12, c], [m12, m20, m01]] {
-            self.push_cell(vertices, cell.candidates, cell.level + 1, source, how);
-        }
-        self.cells[index as usize].first_child = first;
+    fn split(&mut self, index: u32, source: &mut impl Source) -> u32 {
+        let (start, end) = self.candidates_of[index as usize];
+        let candidates = &self.candidates[start as usize..end as usize];
+        let evaluations = &mut self.evaluations;
+        let first = self.tree.split(index, |direction, _| {
+            *evaluations += 1;
+            source.eval(candidates, direction)
+        });
+        self.narrow_new((start, end), source);
         first
     }
 
-    fn midpoint(&mut self, cell: u32, a: u32, b: u32, source: &mut impl Source) -> u32 {
-        let key = (a.min(b), a.max(b));
-        if let Some(&vertex) = self.midpoints.get(&key) {
-            return vertex;
-        }
-        let direction = (self.directions[a as usize] + self.directions[b as usize]).normalize();
-        let value = self.eval(cell, source, direction);
-        let vertex = self.directions.len() as u32;
-        self.directions.push(direction);
-        self.values.push(value);
-        self.midpoints.insert(key, vertex);
-        vertex
-    }
-
-    pub(super) fn midpoint_of(&self, a: u32, b: u32) -> Option<u32> {
-        self.midpoints.get(&(a.min(b), a.max(b))).copied()
-    }
-
-    pub(super) fn edges(cell: &Cell) -> [(u32, u32); 3] {
-        let [a, b, c] = cell.vertices;
-        [(a, b), (b, c), (c, a)]
-    }
-
     /// Splits leaves until no neighbour across an edge is more than one level deeper.
-    fn balance(&mut self, source: &mut impl Source, how: &Projection) {
+    fn balance(&mut self, source: &mut impl Source) {
         let mut changed = true;
         while changed {
             changed = false;
-            for index in 0..self.cells.len() {
-                let cell = self.cells[index];
-                if cell.first_child != 0 || cell.below_horizon {
-                    continue;
-                }
-                let too_deep = Self::edges(&cell).into_iter().any(|(a, b)| {
-                    self.midpoint_of(a, b).is_some_and(|m| {
-                        self.midpoint_of(a, m).is_some() || self.midpoint_of(m, b).is_some()
-                    })
-                });
-                if too_deep {
-                    self.split(index as u32, source, how);
+            for index in 0..self.tree.cells.len() {
+                let cell = self.tree.cells[index];
+                let is_stored_leaf = cell.first_child == 0 && !cell.below_horizon;
+                if is_stored_leaf && self.tree.has_deep_edge(&cell) {
+                    self.split(index as u32, source);
                     changed = true;
                 }
             }
         }
-    }
-
-    fn pack(&self, factor: f32, words: &mut Vec<u32>) -> u64 {
-        let largest = self
-            .values
-            .iter()
-            .fold(0.0f32, |m, v| m.max(v.max_channel()))
-            * factor;
-        // A power of two that brings the largest value near the top of RGB9E5's range.
-        let exponent = ((largest.to_bits() >> 23) as i32 - 127 - 15).clamp(-126, 127);
-        let scale = if largest > 0.0 {
-            f32::from_bits(((exponent + 127) as u32) << 23)
-        } else {
-            1.0
-        };
-        let encoded = |vertex: u32| packed::encode(self.values[vertex as usize] * (factor / scale));
-        let part = |index: u32| {
-            let cell = self.cells[index as usize];
-            if cell.first_child == 0 {
-                return if cell.below_horizon {
-                    Part::Black
-                } else {
-                    Part::Leaf
-                };
-            }
-            let children = [0, 1, 2, 3].map(|child| cell.first_child + child);
-            let [a, b, c] = cell.vertices;
-            // The middle child's corners.
-            let [m12, m20, m01] = self.cells[children[3] as usize].vertices;
-            Part::Split {
-                children,
-                colours: [a, b, c, m12, m20, m01].map(encoded),
-            }
-        };
-        packed::pack(scale, [0, 1, 2, 3, 4, 5, 6, 7], part, words)
     }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::directional::packed;
     use crate::geometry::hash;
 
     /// A function without candidates.
@@ -347,6 +279,7 @@ pub(super) mod tests {
         relative: true,
         horizon: None,
         integral: None,
+        basis: Basis::Haar,
     };
 
     #[test]
@@ -411,19 +344,21 @@ pub(super) mod tests {
                 ..HOW
             };
             projector.project(&mut Plain(peaks(seed)), &how, &mut words);
-            for cell in projector.leaves() {
+            for (_, cell) in projector.tree.leaves() {
                 deepest = deepest.max(cell.level);
-                for (a, b) in Projector::edges(cell) {
-                    let Some(m) = projector.midpoint_of(a, b) else {
+                for (a, b) in Tree::edges(cell) {
+                    let Some(m) = projector.tree.midpoint_of(a, b) else {
                         continue;
                     };
                     assert!(
-                        projector.midpoint_of(a, m).is_none()
-                            && projector.midpoint_of(m, b).is_none(),
+                        projector.tree.midpoint_of(a, m).is_none()
+                            && projector.tree.midpoint_of(m, b).is_none(),
                         "{seed}"
                     );
-                    let mean = (projector.values[a as usize] + projector.values[b as usize]) * 0.5;
-                    assert_eq!(projector.values[m as usize], mean, "{seed}");
+                    let mean = (projector.tree.values[a as usize]
+                        + projector.tree.values[b as usize])
+                        * 0.5;
+                    assert_eq!(projector.tree.values[m as usize], mean, "{seed}");
                 }
             }
         }
@@ -444,20 +379,20 @@ pub(super) mod tests {
             assert!(packed::is_well_formed(&words), "{seed}");
             let (leaves, depth) = packed::leaves_and_depth(&words);
             assert_eq!(leaves as u64, cost.basis_functions, "{seed}");
-            let deepest = projector.leaves().map(|cell| cell.level).max();
+            let deepest = projector.tree.leaves().map(|(_, cell)| cell.level).max();
             assert_eq!(deepest, Some(depth as u8), "{seed}");
-            let peak = projector.values.iter().fold(0.0f32, |m, v| m.max(v.g));
+            let peak = projector.tree.values.iter().fold(0.0f32, |m, v| m.max(v.g));
             for i in 0..500 {
                 let d = direction(1000 * seed + i);
-                let mut cell = projector.cells[octahedron::octant(d)];
+                let mut cell = projector.tree.cells[octahedron::octant(d)];
                 while cell.first_child != 0 {
-                    let corners = projector.corners(&cell);
+                    let corners = projector.tree.corners(&cell);
                     let midpoints = octahedron::edge_midpoints(corners);
                     let child = octahedron::child_of(corners, midpoints, d);
-                    cell = projector.cells[cell.first_child as usize + child];
+                    cell = projector.tree.cells[cell.first_child as usize + child];
                 }
-                let values = cell.vertices.map(|v| projector.values[v as usize].g);
-                let weights = octahedron::barycentric(projector.corners(&cell), d);
+                let values = cell.vertices.map(|v| projector.tree.values[v as usize].g);
+                let weights = octahedron::barycentric(projector.tree.corners(&cell), d);
                 let held = weights.dot(Vec3::from(values));
                 let expected = if cell.below_horizon { 0.0 } else { held };
                 let found = packed::evaluate(&words, d).g;

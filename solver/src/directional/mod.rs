@@ -5,5 +5,9 @@ mod fit;
 pub mod haar;
 pub mod octahedron;
 pub mod packed;
+mod sum;
+mod tree;
+pub mod uniform;
 
-pub use haar::{Projection, ProjectionCost, Projector, Source};
+pub use haar::{Basis, Projection, ProjectionCost, Projector, Source};
+pub use sum::Sum;

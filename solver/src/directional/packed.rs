@@ -4,7 +4,7 @@
 //!
 //! | words | content |
 //! |---|---|
-//! | 0 | scale, the bits of an f32 power of two; every colour is multiplied by it |
+//! | 0 | scale, the bits of an f32 power of two; every colour is multiplied by it; negative: [`uniform`] has what follows |
 //! | 1..9 | the node words of the eight octants (order of [`octahedron::octant`]) |
 //! | … | groups, one for each node that is split |
 //!
@@ -17,7 +17,7 @@
 //! Radiance towards a direction is the linear interpolation of the three colours of the leaf that holds it, with
 //! [`octahedron::barycentric`] weights. Corners of neighbouring leaves agree, so the result is continuous.
 
-use super::{cells, octahedron};
+use super::{cells, octahedron, uniform};
 use crate::radiometry::Rgb;
 use glam::Vec3;
 
@@ -32,11 +32,11 @@ const POSITION: u32 = 0x00ff_ffff;
 
 /// A node word, taken apart.
 #[derive(Clone, Copy)]
-struct Node(u32);
+pub(super) struct Node(pub(super) u32);
 
 /// A child of a node.
 #[derive(Clone, Copy)]
-enum Child {
+pub(super) enum Child {
     Black,
     /// Its three colours stand at [`CORNERS`] after this position.
     Leaf(usize),
@@ -69,7 +69,7 @@ impl Node {
         self.split_mask().count_ones() as usize + colours
     }
 
-    fn child(self, child: usize) -> Child {
+    pub(super) fn child(self, child: usize) -> Child {
         if self.leaf_mask() >> child & 1 != 0 {
             Child::Leaf(self.colours())
         } else if self.split_mask() >> child & 1 != 0 {
@@ -152,6 +152,9 @@ pub fn pack<T>(
 /// Radiance [W·sr⁻¹·m⁻²] of the distribution that starts at `words[0]`, towards `direction` (unit, leaving the
 /// surface).
 pub fn evaluate(words: &[u32], direction: Vec3) -> Rgb {
+    if uniform::is_uniform(words) {
+        return uniform::evaluate(words, direction);
+    }
     let mut node = words[1 + octahedron::octant(direction)];
     let direction = direction.abs();
     let cells = cells::cells();
@@ -185,6 +188,9 @@ pub fn evaluate(words: &[u32], direction: Vec3) -> Rgb {
 ///
 /// Proven for the stored function: it is linear in each leaf, so its extremes stand at corners.
 pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) {
+    if uniform::is_uniform(words) {
+        return uniform::bounds_in_cone(words, axis, half_angle);
+    }
     let mut reach = [f32::NEG_INFINITY; octahedron::MAX_LEVEL + 1];
     for (level, cosine) in reach.iter_mut().enumerate() {
         let angle = half_angle + octahedron::radius(level);
@@ -238,11 +244,17 @@ pub fn bounds_in_cone(words: &[u32], axis: Vec3, half_angle: f32) -> (f32, f32) 
 
 /// Largest stored value [mean over channels].
 pub fn peak(words: &[u32]) -> f32 {
+    if uniform::is_uniform(words) {
+        return uniform::peak(words);
+    }
     bounds_in_cone(words, Vec3::Z, std::f32::consts::PI).1
 }
 
 /// Number of leaves that hold colours, and the largest depth, of the distribution that starts at `words[0]`.
 pub fn leaves_and_depth(words: &[u32]) -> (usize, usize) {
+    if uniform::is_uniform(words) {
+        return uniform::leaves_and_depth(words);
+    }
     fn visit(words: &[u32], node: u32, depth: usize) -> (usize, usize) {
         let mut sum = (0, depth);
         for child in 0..4 {
@@ -284,6 +296,9 @@ pub fn is_well_formed(words: &[u32]) -> bool {
                 .iter()
                 .all(|&child| visit(words, child, depth + 1, budget))
     }
+    if words.first().is_some_and(|scale| scale >> 31 != 0) {
+        return uniform::is_well_formed(words);
+    }
     let mut budget = words.len();
     words.len() >= HEAD
         && f32::from_bits(words[0]).is_finite()
@@ -294,6 +309,16 @@ const MANTISSA_BITS: i32 = 9;
 const EXPONENT_BIAS: i32 = 15;
 /// Largest value of a channel that RGB9E5 holds: 511/512 · 2¹⁶.
 pub const LARGEST: f32 = 65408.0;
+
+/// A power of two that brings the largest value near the top of RGB9E5's range.
+pub(super) fn scale_for(largest: f32) -> f32 {
+    let exponent = ((largest.to_bits() >> 23) as i32 - 127 - 15).clamp(-126, 127);
+    if largest > 0.0 {
+        f32::from_bits(((exponent + 127) as u32) << 23)
+    } else {
+        1.0
+    }
+}
 
 /// RGB9E5 of a colour whose channels are within 0..=[`LARGEST`]; others are clamped.
 pub fn encode(colour: Rgb) -> u32 {

@@ -263,9 +263,12 @@ impl<'a> Light<'a> {
         );
         let config = ReflectConfig {
             epsilon: self.settings.epsilon,
+            refiner: self.settings.refiner,
+            basis: self.settings.basis,
             max_level: self.settings.display_level,
             floor: 0.4,
             least: 0.04 * self.typical_irradiance,
+            typical: FRAC_1_PI * self.typical_irradiance,
             conserve: false,
         };
         let surface = Surface {
@@ -352,6 +355,7 @@ impl<'a> Light<'a> {
             relative: true,
             horizon: None,
             integral: None,
+            basis: self.settings.basis,
         };
         let mut words = Vec::new();
         let mut source = Mean {

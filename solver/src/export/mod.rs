@@ -12,9 +12,8 @@ use crate::hierarchy::Hierarchy;
 use crate::radiometry::Rgb;
 use crate::scene::Scene;
 use crate::solution::{NO_DISTRIBUTION, Solution};
-use crate::solve::{Prepared, Transported, Watch};
+use crate::solve::{Arrived, Prepared, Transported, Watch};
 use crate::transport::exitant::Exitant;
-use crate::transport::illumination::SampleSets;
 use glam::Vec3;
 use light::Light;
 use lit::Lit;
@@ -31,7 +30,7 @@ pub(crate) fn export(
 ) -> Solution {
     let started = Instant::now();
     // What the elements show was found from them.
-    transported.samples = SampleSets::default();
+    transported.arrived = Arrived::default();
     let environment = prepared.environment();
     let mut hierarchy = std::mem::take(&mut transported.hierarchy);
     let gather = settings.gather && !watch.is_stopped();

@@ -1,21 +1,26 @@
 //! Entry to a solve: scene in, solution out, with an observer that may stop it.
 
+mod arrived;
 mod escape;
 mod furnace;
+mod gathering;
+mod iteration;
 mod prepare;
+mod reflecting;
 mod series;
 mod shooting;
 mod watch;
 
-use crate::config::{Quality, Settings};
+use crate::config::{Basis, Method, Quality, Refiner, Scheme, Settings};
 use crate::error::SolveError;
 use crate::export;
 use crate::scene::Scene;
 use crate::solution::Solution;
+pub use arrived::Arrived;
 pub use furnace::{enclosed, solve_furnace};
+pub(crate) use iteration::transport;
+pub use iteration::{FirstLinks, Transported, first_links, transported};
 pub use prepare::{Emission, Prepared};
-pub(crate) use shooting::transport;
-pub use shooting::{FirstLinks, Transported, first_links, transported};
 pub(crate) use watch::Watch;
 pub use watch::{Observer, Progress};
 
@@ -38,6 +43,21 @@ pub struct SolveConfig {
     pub threads: Option<usize>,
     /// Share of the emitted power that a link may be wrong by (§3.1). `None`: follows from quality.
     pub link_tolerance: Option<f32>,
+    /// What becomes of light that arrives. Others than the default exist for comparison.
+    pub method: Method,
+    /// Which light an iteration moves. Others than the default exist for comparison.
+    pub scheme: Scheme,
+    /// When directions are refined. Others than the default exist for comparison.
+    pub refiner: Refiner,
+    /// What distributions are stored on. Others than the default exist for comparison.
+    pub basis: Basis,
+    /// Gather at vertices, instead of averaging what the elements around them show (§5.2). `None`: follows from quality.
+    pub gather: Option<bool>,
+    /// ε in transport, above 0, at most 10. `None`: follows from that at vertices.
+    pub transport_epsilon: Option<f32>,
+    /// Radiance whose direction transport forgets, as a share of the mean of the scene, at least 0. `None`: follows from
+    /// quality.
+    pub least_directional: Option<f32>,
 }
 
 impl SolveConfig {
@@ -87,6 +107,16 @@ impl SolveConfig {
             settings.transport_epsilon *= epsilon / settings.epsilon;
             settings.epsilon = epsilon;
         }
+        if let Some(epsilon) = self.transport_epsilon {
+            let in_range = epsilon > 0.0 && epsilon <= 10.0;
+            check(
+                in_range,
+                "transport epsilon",
+                f64::from(epsilon),
+                "above 0, at most 10",
+            )?;
+            settings.transport_epsilon = epsilon;
+        }
         if let Some(threads) = self.threads {
             check(
                 (1..=1024).contains(&threads),
@@ -105,6 +135,18 @@ impl SolveConfig {
             )?;
             settings.link_tolerance = tolerance;
         }
+        if let Some(share) = self.least_directional {
+            check(
+                share >= 0.0 && share.is_finite(),
+                "least directional radiance",
+                f64::from(share),
+                "at least 0",
+            )?;
+            settings.least_directional = share;
+        }
+        settings.gather = self.gather.unwrap_or(settings.gather);
+        (settings.method, settings.scheme) = (self.method, self.scheme);
+        (settings.refiner, settings.basis) = (self.refiner, self.basis);
         Ok(settings)
     }
 }

@@ -3,7 +3,6 @@
 use super::escape::Escape;
 use crate::hierarchy::detail::Detail;
 use crate::hierarchy::{Hierarchy, NodeId};
-use crate::transport::exitant::Exitant;
 use glam::DVec3;
 
 /// The factor per channel that makes the light `received` what of the light `sent` neither escaped nor stayed in clear
@@ -61,11 +60,11 @@ struct Patch {
 }
 
 impl Drift {
-    /// Before the first iteration, from all elements and their `emitted` light.
-    pub(super) fn new(hierarchy: &Hierarchy, emitted: &Exitant, detail: &Detail) -> Self {
+    /// Before the first iteration, from all elements and the power that nodes `emitted`.
+    pub(super) fn new(hierarchy: &Hierarchy, emitted: &[f32], detail: &Detail) -> Self {
         let all = total(emitted);
         let patches = hierarchy.elements.iter().map(|element| {
-            let sent = f64::from(emitted.power[element.node as usize]);
+            let sent = f64::from(emitted[element.node as usize]);
             let node = hierarchy.node(element.node);
             let area = f64::from(node.area);
             Patch {
@@ -83,12 +82,12 @@ impl Drift {
         }
     }
 
-    /// What the sum would be wrong by if this were the last iteration, which made `light` (pulled, times `factor`) and a
+    /// What the sum would be wrong by if this were the last iteration, which made `light` (power of nodes, times `factor`) and a
     /// `ratio` of what was before: the root of the weighted mean square, as a share of the light of each patch.
     ///
     /// Shares of patches move by D, and are taken to go on moving by D q, D q², … with q as seen last. Weighted with
     /// the power rᵏ of the iterations, this sums to D q r / ((1 − r)(1 − q r)) of the power.
-    pub(super) fn error(&mut self, light: &Exitant, factor: f64, ratio: f64) -> f64 {
+    pub(super) fn error(&mut self, light: &[f32], factor: f64, ratio: f64) -> f64 {
         /// Slower series have no sum, or are mostly rounding.
         const SLOWEST: f64 = 0.999_99;
         let all = total(light);
@@ -100,7 +99,7 @@ impl Drift {
         let series = 1.0 / (1.0 - ratio.min(SLOWEST));
         let (mut squares, mut weight) = (0.0, 0.0);
         for patch in &mut self.patches {
-            let power = f64::from(light.power[patch.node as usize]);
+            let power = f64::from(light[patch.node as usize]);
             let moved = power / all - patch.share;
             let falls = match patch.moved {
                 Some(last) if last != 0.0 => (moved / last).abs(),
@@ -126,15 +125,22 @@ impl Drift {
         }
     }
 
-    /// Exitance of the patch that is brightest in `light` (pulled, times `factor`), as a share of the typical exitance of
+    /// Adds `light` (power of nodes) to what left the patches so far.
+    pub(super) fn add(&mut self, light: &[f32]) {
+        for patch in &mut self.patches {
+            patch.sent += f64::from(light[patch.node as usize]);
+        }
+    }
+
+    /// Exitance of the patch that is brightest in `light` (power of nodes, times `factor`), as a share of the typical exitance of
     /// all light so far: the square of the mean root. In the open little light of all is left after one reflection, but
     /// it is all that shadows have.
-    pub(super) fn brightest(&self, light: &Exitant, factor: f64) -> f64 {
+    pub(super) fn brightest(&self, light: &[f32], factor: f64) -> f64 {
         let (mut roots, mut area, mut brightest) = (0.0, 0.0, 0.0f64);
         for patch in self.patches.iter().filter(|patch| patch.area > 0.0) {
             roots += (patch.sent * patch.area).sqrt();
             area += patch.area;
-            let power = f64::from(light.power[patch.node as usize]);
+            let power = f64::from(light[patch.node as usize]);
             brightest = brightest.max(factor * power / patch.area);
         }
         if roots > 0.0 {
@@ -145,8 +151,8 @@ impl Drift {
     }
 }
 
-fn total(light: &Exitant) -> f64 {
-    f64::from(light.power[0])
+fn total(light: &[f32]) -> f64 {
+    f64::from(light[0])
 }
 
 #[cfg(test)]

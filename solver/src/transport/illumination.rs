@@ -5,6 +5,7 @@ use crate::radiometry::Rgb;
 use crate::transport::kernel::{Kernel, transfer};
 use crate::transport::link::{Receiver, Sender, SenderId};
 use crate::transport::openness::Openness;
+use crate::transport::propagate::Arrivals;
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -150,6 +151,81 @@ pub fn irradiance<'a>(
     })
 }
 
+/// The way from a leaf to the root, and how samples of each node on it are seen from the middle of the leaf.
+pub(super) struct Ascent<'a> {
+    hierarchy: &'a Hierarchy,
+    openness: &'a Openness,
+    keep_directions: bool,
+    leaf: NodeId,
+    here: Receiver,
+    normal: Vec3,
+    /// The node that it has come to.
+    pub(super) at: NodeId,
+    /// The whole patch, and how many clusters above its parent `at` is.
+    root: NodeId,
+    levels: usize,
+}
+
+impl<'a> Ascent<'a> {
+    pub(super) fn new(
+        hierarchy: &'a Hierarchy,
+        leaf: NodeId,
+        keep_directions: bool,
+        openness: &'a Openness,
+    ) -> Self {
+        let element = hierarchy.element_of(leaf);
+        Self {
+            hierarchy,
+            openness,
+            keep_directions,
+            leaf,
+            here: Receiver::node(hierarchy, leaf),
+            normal: element.map_or(Vec3::ZERO, |element| hierarchy.shading_normal(element)),
+            at: leaf,
+            root: leaf,
+            levels: 0,
+        }
+    }
+
+    /// On to the parent; false at the root.
+    pub(super) fn rise(&mut self) -> bool {
+        let parent = self.hierarchy.node(self.at).parent;
+        if parent == NONE {
+            return false;
+        }
+        if self.hierarchy.element_of(self.at).is_some() {
+            self.root = self.at;
+        } else {
+            self.levels += 1;
+        }
+        self.at = parent;
+        true
+    }
+
+    /// A sample of the node that it has come to, as seen from the leaf.
+    pub(super) fn seen(&self, sample: &IlluminationSample) -> IlluminationSample {
+        let is_cluster = self.hierarchy.element_of(self.at).is_none();
+        match sample.parallax {
+            _ if self.at == self.leaf => *sample,
+            Some(parallax) => moved(
+                self.hierarchy,
+                sample,
+                &parallax,
+                &self.here,
+                self.keep_directions,
+            ),
+            None if is_cluster => {
+                let (root, at) = (self.root, self.at);
+                let share = self
+                    .openness
+                    .of_part(root, at, self.levels, sample.direction);
+                sample.above_horizon(self.normal).scaled(share)
+            }
+            None => *sample,
+        }
+    }
+}
+
 /// Samples that nodes of the hierarchy received; the field of a leaf is the union along its path to the root.
 #[derive(Clone, Debug, Default)]
 pub struct SampleSets {
@@ -202,41 +278,13 @@ impl SampleSets {
         openness: &Openness,
         field: &mut Vec<IlluminationSample>,
     ) {
-        let here = Receiver::node(hierarchy, id);
-        let normal = hierarchy
-            .element_of(id)
-            .map_or(Vec3::ZERO, |element| hierarchy.shading_normal(element));
-        field.extend_from_slice(self.of(id));
-        let mut at = hierarchy.node(id).parent;
-        // The whole patch, and how many clusters above its parent the walk is.
-        let (mut root, mut levels) = (id, 0);
-        while at != NONE {
-            let is_cluster = hierarchy.element_of(at).is_none();
-            field.extend(self.of(at).iter().map(|sample| match sample.parallax {
-                Some(parallax) => moved(hierarchy, sample, &parallax, &here, keep_directions),
-                None if is_cluster => {
-                    let share = openness.of_part(root, at, levels, sample.direction);
-                    sample.above_horizon(normal).scaled(share)
-                }
-                None => *sample,
-            }));
-            if is_cluster {
-                levels += 1;
-            } else {
-                root = at;
+        let mut ascent = Ascent::new(hierarchy, id, keep_directions, openness);
+        loop {
+            field.extend(self.of(ascent.at).iter().map(|sample| ascent.seen(sample)));
+            if !ascent.rise() {
+                return;
             }
-            at = hierarchy.node(at).parent;
         }
-    }
-
-    /// Number of samples.
-    pub fn len(&self) -> usize {
-        self.sets.iter().map(Vec::len).sum()
-    }
-
-    /// True when there is none.
-    pub fn is_empty(&self) -> bool {
-        self.sets.iter().all(Vec::is_empty)
     }
 
     /// Bytes that the samples take.
@@ -246,6 +294,18 @@ impl SampleSets {
             .map(|s| s.capacity() * size_of::<IlluminationSample>())
             .sum::<usize>()
             + self.sets.capacity() * size_of::<Vec<IlluminationSample>>()
+    }
+}
+
+impl Arrivals for SampleSets {
+    fn take(&mut self, _: &Hierarchy, brought: Vec<(NodeId, Vec<IlluminationSample>)>) {
+        for (id, samples) in brought {
+            self.extend(id, samples);
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes()
     }
 }
 

@@ -12,7 +12,7 @@ use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::connect::{Connection, Link};
 use crate::transport::exitant::Exitant;
-use crate::transport::illumination::{IlluminationSample, SampleSets};
+use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
 use crate::transport::region::PatchTree;
 use crate::transport::sample::is_gap;
@@ -64,6 +64,8 @@ pub struct LinkStats {
     pub links: u64,
     /// Of these, between two elements that are whole patches or parts of them.
     pub patch_links: u64,
+    /// Samples that they left.
+    pub samples: u64,
     /// Rays cast.
     pub rays: u64,
     /// Links found visible by an empty shaft.
@@ -77,6 +79,7 @@ impl LinkStats {
     pub fn add(&mut self, other: &Self) {
         self.links += other.links;
         self.patch_links += other.patch_links;
+        self.samples += other.samples;
         self.rays += other.rays;
         self.clear_shafts += other.clear_shafts;
         self.visibility += other.visibility;
@@ -162,6 +165,15 @@ fn error(bounds: &Bounds, receiver: &Receiver, sender: &Sender, gloss: Gloss) ->
     error
 }
 
+/// Takes what links bring.
+pub trait Arrivals {
+    /// Samples that nodes have received.
+    fn take(&mut self, hierarchy: &Hierarchy, brought: Vec<(NodeId, Vec<IlluminationSample>)>);
+
+    /// Bytes of what it has taken.
+    fn bytes(&self) -> usize;
+}
+
 /// One propagation: what it reads.
 pub struct Propagation<'a> {
     /// What does not change.
@@ -197,17 +209,16 @@ pub(super) const POINT_LIGHTS: NodeId = 1 << 31;
 const BATCH: usize = 8192;
 
 impl Propagation<'_> {
-    /// Propagates all light; appends to `samples`. `report` is called after each batch with the bytes that the samples take,
+    /// Propagates all light; `arrivals` has it in the end. `report` is called after each batch with the bytes of that,
     /// and may stop the work.
     pub fn run(
         &self,
         hierarchy: &mut Hierarchy,
-        samples: &mut SampleSets,
+        arrivals: &mut dyn Arrivals,
         records: &mut Vec<LinkRecord>,
         report: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> LinkStats {
         let mut stats = LinkStats::default();
-        let mut sample_count = 0;
         let lights = if self.with_point_lights {
             self.environment.point_lights.len() as u32
         } else {
@@ -228,28 +239,33 @@ impl Propagation<'_> {
                     .with_max_len(64)
                     .map(|(id, pending)| self.refine(shared, *id, pending))
                     .collect();
+                let mut brought = Vec::new();
+                let mut refined = Vec::new();
                 for ((id, _), outcome) in batch.iter().zip(outcomes) {
                     stats.add(&outcome.stats);
-                    sample_count += outcome.samples.len() + outcome.deposits.len();
-                    samples.extend(*id, outcome.samples);
-                    for (element, sample) in outcome.deposits {
-                        samples.extend(element, vec![sample]);
-                    }
+                    stats.samples += (outcome.samples.len() + outcome.deposits.len()) as u64;
+                    brought.push((*id, outcome.samples));
+                    let alone = |(element, sample)| (element, vec![sample]);
+                    brought.extend(outcome.deposits.into_iter().map(alone));
                     records.extend(outcome.records);
-                    if outcome.refined.is_empty() {
+                    refined.push(outcome.refined);
+                }
+                arrivals.take(shared, brought);
+                for ((id, _), refined) in batch.iter().zip(refined) {
+                    if refined.is_empty() {
                         continue;
                     }
                     if hierarchy.is_leaf(*id) {
                         hierarchy.subdivide(*id);
                     }
-                    let refined: Arc<[SenderId]> = outcome.refined.into();
+                    let refined: Arc<[SenderId]> = refined.into();
                     next.extend(
                         hierarchy
                             .children(*id)
                             .map(|child| (child, Arc::clone(&refined))),
                     );
                 }
-                if report(sample_count * size_of::<IlluminationSample>()).is_break() {
+                if report(arrivals.bytes()).is_break() {
                     return stats;
                 }
             }

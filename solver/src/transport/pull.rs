@@ -1,6 +1,6 @@
 //! Pull: exitant light of inner nodes from their children, bottom-up. A cluster stores intensity, an element radiance.
 
-use crate::directional::{Projection, Projector, Source, packed};
+use crate::directional::{Basis, Projection, Projector, Source, packed};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
@@ -63,8 +63,8 @@ struct Pulled {
     centre: Vec3,
 }
 
-/// Fills `exitant` for every inner node from its leaves, whose own is known. `epsilon`: of the refiner.
-pub fn pull(hierarchy: &Hierarchy, exitant: &mut Exitant, epsilon: f32) {
+/// Fills `exitant` for every inner node from its leaves, whose own is known, on `basis`. `epsilon`: of the refiner.
+pub fn pull(hierarchy: &Hierarchy, exitant: &mut Exitant, epsilon: f32, basis: Basis) {
     // Nodes by height above their leaves: all of one height are independent.
     let mut height = vec![0u16; hierarchy.nodes.len()];
     let mut by_height: Vec<Vec<NodeId>> = Vec::new();
@@ -96,7 +96,7 @@ pub fn pull(hierarchy: &Hierarchy, exitant: &mut Exitant, epsilon: f32) {
             .par_iter()
             .with_max_len(16)
             .map_init(Projector::default, |projector, &id| {
-                pull_node(hierarchy, shared, id, epsilon, projector)
+                pull_node(hierarchy, shared, id, (epsilon, basis), projector)
             })
             .collect();
         for (id, pulled) in ids.into_iter().zip(pulled) {
@@ -120,7 +120,7 @@ fn pull_node(
     hierarchy: &Hierarchy,
     exitant: &Exitant,
     id: NodeId,
-    epsilon: f32,
+    (epsilon, basis): (f32, Basis),
     projector: &mut Projector,
 ) -> Pulled {
     let lit: Vec<NodeId> = hierarchy
@@ -179,6 +179,7 @@ fn pull_node(
             epsilon,
             floor,
             relative: true,
+            basis,
             horizon: element.map(|e| e.normal),
             integral: Some(match element {
                 Some(_) => power - PI * area * diffuse.mean(),

@@ -4,7 +4,8 @@
 //! left out of its evaluations, so their number does not grow as samples × cells.
 
 use crate::brdf::Lobe;
-use crate::directional::{Projection, ProjectionCost, Projector, octahedron};
+use crate::config::Refiner;
+use crate::directional::{Basis, Projection, ProjectionCost, Projector, Sum, octahedron};
 use crate::radiometry::Rgb;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::lobes::Lobes;
@@ -32,14 +33,20 @@ pub struct Reflected {
 /// How to project reflected light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectConfig {
-    /// ε of the relative refiner.
+    /// ε of the refiner.
     pub epsilon: f32,
+    /// What deviations are held against.
+    pub refiner: Refiner,
+    /// What is projected on.
+    pub basis: Basis,
     /// Deepest level of the basis.
     pub max_level: u32,
     /// Radiance that is far too small to matter, as a share of the diffuse radiance.
     pub floor: f32,
     /// Radiance anywhere in the scene that such a floor never falls below.
     pub least: f32,
+    /// Typical radiance of the scene, which the absolute refiner holds deviations against.
+    pub typical: f32,
     /// Make the projection carry exactly the reflected power; glossy light weaker than `least` becomes diffuse.
     pub conserve: bool,
 }
@@ -66,6 +73,73 @@ pub fn reflect(
     config: &ReflectConfig,
     projector: &mut Projector,
 ) -> Reflected {
+    let (mut out, is_directional) = projected(samples, surface, config, projector);
+    if is_directional {
+        let mut words = Vec::new();
+        out.cost.basis_functions = projector.pack(&mut words);
+        if out.cost.basis_functions > 0 {
+            out.distribution = Some(words.into_boxed_slice());
+        }
+    }
+    out
+}
+
+/// Reflects each of `samples` on its own and adds up what they become: "summing reflections" of table 1, and what
+/// radiance clustering does (§2.2). The plain twin of [`reflect`]; basis functions are those of all summands. No sample is
+/// too weak for its direction to matter: nobody knows how many there will be.
+pub fn reflect_each(
+    samples: &[IlluminationSample],
+    surface: &Surface<'_>,
+    config: &ReflectConfig,
+    projector: &mut Projector,
+    sum: &mut Sum,
+) -> Reflected {
+    let config = ReflectConfig {
+        least: 0.0,
+        ..*config
+    };
+    let mut out = Reflected::default();
+    let mut is_any_directional = false;
+    sum.clear(Some(surface.normal));
+    let mut add = |samples: &[IlluminationSample], surface: &Surface<'_>| {
+        let (one, is_directional) = projected(samples, surface, &config, projector);
+        out.irradiance += one.irradiance;
+        out.diffuse += one.diffuse;
+        out.exitance += one.exitance;
+        out.cost.evaluations += one.cost.evaluations;
+        out.brdf_evaluations += one.brdf_evaluations;
+        if is_directional {
+            out.cost.basis_functions += projector.basis_functions();
+            sum.add(projector);
+            is_any_directional = true;
+        }
+    };
+    let without_emission = Surface {
+        compensating: Rgb::BLACK,
+        ..*surface
+    };
+    for sample in samples {
+        add(std::slice::from_ref(sample), &without_emission);
+    }
+    if !surface.compensating.is_black() {
+        add(&[], surface);
+    }
+    if is_any_directional {
+        let mut words = Vec::new();
+        if sum.pack(&mut words) > 0 {
+            out.distribution = Some(words.into_boxed_slice());
+        }
+    }
+    out
+}
+
+/// [`Reflected`] but for the distribution, which is left in `projector`; and whether there is one.
+fn projected(
+    samples: &[IlluminationSample],
+    surface: &Surface<'_>,
+    config: &ReflectConfig,
+    projector: &mut Projector,
+) -> (Reflected, bool) {
     let &Surface {
         normal,
         diffuse,
@@ -88,9 +162,11 @@ pub fn reflect(
     }
     out.diffuse = out.irradiance * diffuse * FRAC_1_PI;
     out.exitance = out.irradiance * diffuse + glossy_exitance;
-    let Some(lobe) = lobe else { return out };
+    let Some(lobe) = lobe else {
+        return (out, false);
+    };
     if out.irradiance.is_black() && compensating.is_black() {
-        return out;
+        return (out, false);
     }
     let (largest, mean) = lobe.albedo_range();
     let emitted = compensating * (PI * (largest - mean));
@@ -100,26 +176,31 @@ pub fn reflect(
     if config.conserve && mean_glossy < config.least {
         // Too weak for its direction to matter to others: it travels with the diffuse light.
         out.diffuse += glossy_exitance * FRAC_1_PI;
-        return out;
+        return (out, false);
     }
     let how = Projection {
         min_level: 1,
-        max_level: config.max_level.min(finest_level(lobe)),
+        max_level: match config.basis {
+            Basis::Haar => config.max_level.min(finest_level(lobe)),
+            Basis::Uniform => config.max_level,
+        },
         epsilon: config.epsilon,
-        floor: (config.floor * (out.diffuse.mean() + mean_glossy)).max(config.least),
-        relative: true,
+        floor: match config.refiner {
+            Refiner::Relative => {
+                (config.floor * (out.diffuse.mean() + mean_glossy)).max(config.least)
+            }
+            Refiner::Absolute => config.typical,
+        },
+        relative: config.refiner == Refiner::Relative,
         horizon: Some(normal),
         integral: config.conserve.then_some(glossy_exitance.mean()),
+        basis: config.basis,
     };
     let few = merged(samples, normal, lobe.half_width.hypot(bend));
     let mut source = Lobes::new(lobe, normal, &few, bend, compensating);
-    let mut words = Vec::new();
-    out.cost = projector.project(&mut source, &how, &mut words);
+    out.cost.evaluations = projector.project_only(&mut source, &how);
     out.brdf_evaluations = source.evaluations;
-    if out.cost.basis_functions > 0 {
-        out.distribution = Some(words.into_boxed_slice());
-    }
-    out
+    (out, true)
 }
 
 /// The level whose cells are a third of the lobe's half-width: linear interpolation needs no finer one.
@@ -149,9 +230,12 @@ mod tests {
         let lobe = Lobe::of(&material, 0.0).expect("glossy");
         let config = ReflectConfig {
             epsilon: 0.1,
+            refiner: Refiner::Relative,
+            basis: Basis::Haar,
             max_level: 7,
             floor: 0.2,
             least: 0.0,
+            typical: 1.0,
             conserve: false,
         };
         let mut projector = Projector::default();

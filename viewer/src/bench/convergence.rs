@@ -1,6 +1,7 @@
 //! Does more work mean less error? One scene solved step by step along what users trade, quality for one, each solution
 //! held against a reference picture and against paths over all surfaces.
 
+use super::fit::power_law;
 use crate::camera::View;
 use crate::compare::{CompareError, compare};
 use crate::verify::{Estimate, verify};
@@ -167,23 +168,9 @@ pub fn climb(
     })
 }
 
-/// Of a straight line through the logarithms of seconds and relMSE.
+/// The exponent of relMSE over seconds.
 fn slope(rows: &[Row]) -> Option<f64> {
-    let points: Vec<(f64, f64)> = rows
-        .iter()
-        .filter(|row| row.relmse > 0.0 && row.seconds > 0.0)
-        .map(|row| (row.seconds.ln(), row.relmse.ln()))
-        .collect();
-    if points.len() < 2 {
-        return None;
-    }
-    let count = points.len() as f64;
-    let (x, y) = points
-        .iter()
-        .fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
-    let square: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    let product: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    (square > 0.0).then(|| product / square)
+    power_law(rows.iter().map(|row| (row.seconds, row.relmse)))
 }
 
 impl Ladder {

@@ -1,4 +1,8 @@
 //! Measurements that users repeat: tables of time, memory and error.
 
 pub mod convergence;
+pub mod fit;
 pub mod plot;
+pub mod scaling;
+pub mod table;
+pub mod tables;

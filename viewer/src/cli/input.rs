@@ -3,6 +3,7 @@
 use super::{note, process, progress, values};
 use anyhow::Context;
 use sheen_formats::{LoadOptions, Loaded};
+use sheen_solver::config::{Basis, Method, Refiner, Scheme};
 use sheen_solver::{Camera, Quality, Solution, SolveConfig};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -32,6 +33,19 @@ pub(super) struct SolveArgs {
     /// Share of the emitted power that a link may be wrong by [default: follows from quality]
     #[arg(long, value_parser = values::positive, value_name = "SHARE")]
     link_tolerance: Option<f64>,
+    /// What becomes of light that arrives, for comparison: is (illumination samples), sr (the same, reflected one by one),
+    /// rc (radiance clustering)
+    #[arg(long, default_value = "is", value_name = "METHOD")]
+    method: Method,
+    /// Which light an iteration moves, for comparison: shooting, gathering
+    #[arg(long, default_value = "shooting", value_name = "SCHEME")]
+    scheme: Scheme,
+    /// What deviations within distributions are held against, for comparison: relative, absolute
+    #[arg(long, default_value = "relative", value_name = "REFINER")]
+    refiner: Refiner,
+    /// What distributions are stored on, for comparison: haar (adaptive), uniform
+    #[arg(long, default_value = "haar", value_name = "BASIS")]
+    basis: Basis,
     /// Repair faults of the scene that can be repaired, and say so, instead of refusing it
     #[arg(long)]
     lenient: bool,
@@ -67,6 +81,13 @@ impl SolveArgs {
             epsilon: self.epsilon.map(|epsilon| epsilon as f32),
             threads: self.threads.map(usize::from),
             link_tolerance: self.link_tolerance.map(|share| share as f32),
+            method: self.method,
+            scheme: self.scheme,
+            refiner: self.refiner,
+            basis: self.basis,
+            gather: None,
+            transport_epsilon: None,
+            least_directional: None,
         }
     }
 }

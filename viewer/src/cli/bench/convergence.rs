@@ -1,9 +1,9 @@
 //! `sheen bench convergence SCENE`
 
-use super::{input, note, progress, values};
 use crate::bench::convergence::{Ladder, Step, Truth, climb};
 use crate::bench::plot;
 use crate::camera::View;
+use crate::cli::{input, note, print, progress, values};
 use crate::ways::path::{Budget, trace};
 use anyhow::Context;
 use sheen_solver::{Camera, PathTracer, Quality, Scene, SolveConfig};
@@ -11,18 +11,6 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    #[command(subcommand)]
-    table: Table,
-}
-
-#[derive(Debug, clap::Subcommand)]
-enum Table {
-    /// Time, memory and error of a scene at rising qualities, or along another thing that is traded.
-    Convergence(Convergence),
-}
-
-#[derive(Debug, clap::Args)]
-struct Convergence {
     /// Scene (.obj, .mgf)
     scene: PathBuf,
     /// Folder for convergence.md, .csv, .json and .svg [default: the table is printed only]
@@ -81,14 +69,8 @@ struct Convergence {
     lenient: bool,
 }
 
-pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    match &args.table {
-        Table::Convergence(args) => convergence(args),
-    }
-}
-
 /// What is traded, and its steps.
-fn steps(args: &Convergence) -> (&'static str, Vec<Step>) {
+fn steps(args: &Args) -> (&'static str, Vec<Step>) {
     let step = |label: String, config: SolveConfig| Step { label, config };
     let at_quality = SolveConfig {
         quality: args.quality,
@@ -147,7 +129,7 @@ fn steps(args: &Convergence) -> (&'static str, Vec<Step>) {
 }
 
 fn truth(
-    args: &Convergence,
+    args: &Args,
     scene: &Scene,
     view: &View,
     observer: &mut progress::TerminalObserver,
@@ -197,7 +179,7 @@ fn files(ladder: &Ladder) -> anyhow::Result<Vec<(&'static str, String)>> {
     Ok(files)
 }
 
-fn convergence(args: &Convergence) -> anyhow::Result<()> {
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         input::check_output(&folder.join("convergence.csv"))?;
@@ -231,5 +213,5 @@ fn convergence(args: &Convergence) -> anyhow::Result<()> {
             input::write_text(&Path::new(folder).join(name), &text)?;
         }
     }
-    super::print(&ladder.markdown())
+    print(&ladder.markdown())
 }

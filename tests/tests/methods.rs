@@ -1,0 +1,165 @@
+//! Baselines against what they are baselines of: gathering, summed reflections and radiance clustering are other ways to
+//! the same light.
+#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::print_stdout, reason = "figures are read from the output")]
+
+use glam::Vec3;
+use sheen_solver::config::{Method, Refiner, Scheme};
+use sheen_solver::{Quality, Scene, Solution, SolveConfig, solve};
+use sheen_tests::images;
+use sheen_tests::scenes::{self, Builder};
+use sheen_viewer::compare::compare;
+
+/// As elements show it: nothing is gathered again, all light has its direction, and directions are fine.
+fn config(method: Method, scheme: Scheme) -> SolveConfig {
+    SolveConfig {
+        quality: Quality::new(0.5).unwrap(),
+        method,
+        scheme,
+        epsilon: Some(0.1),
+        transport_epsilon: Some(0.1),
+        max_level: Some(5),
+        gather: Some(false),
+        least_directional: Some(0.0),
+        ..SolveConfig::default()
+    }
+}
+
+/// A glossy floor that mirrors a lamp, before a wall.
+fn corner() -> Scene {
+    let mut builder = Builder::new();
+    let wall = builder.lambert("wall", 0.6, 0.0);
+    let floor = builder.phong("floor", 0.1, 0.6, 20.0);
+    let lamp = builder.lambert("lamp", 0.0, 5.0);
+    let at = Vec3::new;
+    builder
+        .quad(
+            [
+                at(0., 0., 1.),
+                at(1., 0., 1.),
+                at(1., 0., 0.),
+                at(0., 0., 0.),
+            ],
+            floor,
+        )
+        .quad(
+            [
+                at(0., 0., 0.),
+                at(1., 0., 0.),
+                at(1., 1., 0.),
+                at(0., 1., 0.),
+            ],
+            wall,
+        )
+        .quad(
+            [
+                at(0.3, 0.8, 0.3),
+                at(0.5, 0.8, 0.3),
+                at(0.5, 0.8, 0.5),
+                at(0.3, 0.8, 0.5),
+            ],
+            lamp,
+        )
+        .camera(at(0.8, 0.6, 1.9), at(0.5, 0.25, 0.3));
+    builder.build()
+}
+
+fn solved(scene: &Scene, config: &SolveConfig) -> Solution {
+    solve(scene, config, &mut ()).unwrap()
+}
+
+/// relMSE of what one shows against what the other shows.
+fn difference(left: &Solution, right: &Solution) -> f64 {
+    let [left, right] = [left, right].map(|s| images::render(s, &s.cameras[0]));
+    compare(&left, &right, 1, None).unwrap().relmse
+}
+
+#[test]
+fn gathering_finds_what_shooting_finds() {
+    let scene = scenes::room_with_glossy_floor();
+    let with = |scheme| {
+        let config = SolveConfig {
+            quality: Quality::PREVIEW,
+            scheme,
+            gather: Some(false),
+            ..SolveConfig::default()
+        };
+        solved(&scene, &config)
+    };
+    let (shot, gathered) = (with(Scheme::Shooting), with(Scheme::Gathering));
+    let [a, b] = [&shot, &gathered].map(|s| s.stats.solve.absorbed_w);
+    println!("absorbed: {a} W shot, {b} W gathered");
+    // What gathering leaves out: the share of the emitted power that its settings name.
+    assert!((a / b - 1.0).abs() < 6e-3, "{a} {b}");
+    assert!((a / shot.stats.solve.emitted_w - 1.0).abs() < 4e-3);
+    let apart = difference(&shot, &gathered);
+    println!("relMSE {apart:.6}");
+    assert!(apart < 2e-3, "{apart}");
+    assert!(gathered.stats.solve.illumination_samples > shot.stats.solve.illumination_samples);
+}
+
+#[test]
+fn summed_reflections_are_the_reflection_of_the_sum() {
+    let scene = corner();
+    let of_sum = solved(
+        &scene,
+        &config(Method::IlluminationSamples, Scheme::Shooting),
+    );
+    let summed = solved(&scene, &config(Method::SummedReflections, Scheme::Shooting));
+    let apart = difference(&of_sum, &summed);
+    println!("summed reflections: relMSE {apart:.6}");
+    assert!(apart < 1e-3, "{apart}");
+    let [few, many] = [&of_sum, &summed].map(|s| s.stats.solve.basis_functions);
+    println!("basis functions: {few} of the sum, {many} one by one");
+    assert!(many > 4 * few, "{few} {many}");
+}
+
+#[test]
+fn radiance_clustering_finds_what_samples_find() {
+    let scene = corner();
+    for scheme in [Scheme::Gathering, Scheme::Shooting] {
+        let samples = solved(&scene, &config(Method::IlluminationSamples, scheme));
+        let clusters = solved(&scene, &config(Method::RadianceClustering, scheme));
+        let apart = difference(&samples, &clusters);
+        println!("{scheme:?}: relMSE {apart:.6}");
+        assert!(apart < 2e-3, "{scheme:?}: {apart}");
+        let [a, b] = [&samples, &clusters].map(|s| s.stats.solve.absorbed_w);
+        println!("{scheme:?}: absorbed {a} W and {b} W");
+        assert!((a / b - 1.0).abs() < 3e-3, "{a} {b}");
+        // Nothing that arrived is kept.
+        assert_eq!(clusters.stats.solve.bytes.illumination_samples, 0);
+    }
+}
+
+#[test]
+fn radiance_clustering_does_not_depend_on_threads() {
+    let scene = corner();
+    let with = |threads| {
+        let config = SolveConfig {
+            threads: Some(threads),
+            ..config(Method::RadianceClustering, Scheme::Shooting)
+        };
+        solved(&scene, &config)
+    };
+    let (one, three) = (with(1), with(3));
+    assert!(!one.distribution_words.is_empty());
+    assert_eq!(one.radiance, three.radiance);
+    assert_eq!(one.distribution_words, three.distribution_words);
+}
+
+#[test]
+fn the_absolute_refiner_spends_cells_where_it_is_bright() {
+    let scene = scenes::own("three_lights");
+    let with = |refiner| {
+        let config = SolveConfig {
+            refiner,
+            ..SolveConfig::default()
+        };
+        solved(&scene, &config)
+    };
+    let (relative, absolute) = (with(Refiner::Relative), with(Refiner::Absolute));
+    // The reflector is much brighter than the scene.
+    let [few, many] = [&relative, &absolute].map(|s| s.stats.solve.basis_functions);
+    println!("basis functions: {few} relative, {many} absolute");
+    assert!(many > few, "{few} {many}");
+}
