@@ -8,7 +8,7 @@ use sheen_solver::path::Sampler;
 use sheen_solver::{PathTracer, Scene, SolveConfig, solve};
 use sheen_tests::assert_close;
 use sheen_tests::scenes::Builder;
-use sheen_viewer::ways::cpu::{Looker, towards};
+use sheen_viewer::ways::cpu::Looker;
 use std::f64::consts::PI;
 
 const REFLECTANCE: f32 = 0.5;
@@ -60,7 +60,7 @@ fn check(name: &str, scene: &Scene, normal: Vec3, expected: &[(Vec3, f64)], roun
     let tracer = PathTracer::new(scene);
     for &(point, irradiance) in expected {
         let eye = point + normal * OFF;
-        let seen = looker.look(eye, -normal.as_dvec3(), 0.0, |v| towards(&solution, v, eye));
+        let seen = looker.look(eye, -normal.as_dvec3(), 0.0, |v, m| m.shaded(&solution, v));
         let solved = seen[0] * PI / f64::from(REFLECTANCE);
         const SAMPLES: u32 = 1 << 14;
         let sample = |index| {

@@ -7,6 +7,7 @@ use crate::panels::{self, Facts, FrameFigures, Settings};
 use crate::script::Script;
 use crate::steering;
 use crate::tonemap;
+use crate::ways::Shading;
 use crate::ways::chunks::Limits;
 use crate::ways::solution::{DrawSettings, Overlay, SolutionRenderer, WindowTargets};
 use crate::window::WindowError;
@@ -89,6 +90,7 @@ impl WalkApp {
                 // A program on the processor has no power to spare.
                 samples: if gpu.is_software() { 1 } else { 2 },
                 is_continuous: false,
+                shade_samples: !gpu.is_software(),
                 wants_exposure: false,
             },
             exposure: 1.0,
@@ -220,6 +222,11 @@ impl WalkApp {
                 overlay,
                 exposure,
                 timer: self.timer.as_ref(),
+            };
+            self.renderer.shading = if self.settings.shade_samples {
+                Shading::Samples
+            } else {
+                Shading::Vertices
             };
             self.renderer.draw(&self.gpu, targets, &view, &settings);
             let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));

@@ -62,6 +62,8 @@ pub struct Settings {
     pub samples: u32,
     /// Draw frames even when nothing changes, to measure them.
     pub is_continuous: bool,
+    /// Evaluate the light of glossy surfaces at every sample, not at vertices only.
+    pub shade_samples: bool,
     /// Set by the button, cleared by the window.
     pub wants_exposure: bool,
 }
@@ -159,6 +161,7 @@ pub fn side(
         ui.small(&figures.device);
         ui.checkbox(&mut settings.is_continuous, "draw all the time");
         ui.add(egui::Slider::new(&mut settings.samples, 1..=4).text("samples across a pixel"));
+        ui.checkbox(&mut settings.shade_samples, "glossy light at every sample");
         ui.separator();
 
         ui.heading("Eye");

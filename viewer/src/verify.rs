@@ -4,7 +4,7 @@
 //! S − (L₁ + L₂)/2 is an unbiased sample of the error, (S − L₁)(S − L₂) one of its square, however noisy the paths.
 //! Emission is left out: it is stored as it is.
 
-use crate::ways::cpu::{Looker, towards};
+use crate::ways::cpu::Looker;
 use rayon::prelude::*;
 use sheen_solver::path::{Aim, Probe, Probes, Sampler};
 use sheen_solver::{Observer, PathTracer, Progress, Rgb, Solution};
@@ -178,8 +178,8 @@ fn hold_all(
 /// The solution's radiance at a probe, emission included.
 fn look(solution: &Solution, looker: &Looker<'_>, probe: &Probe) -> Rgb {
     let direction = probe.direction.as_dvec3();
-    let seen = looker.look(probe.eye, direction, 0.0, |vertex| {
-        towards(solution, vertex, probe.eye)
+    let seen = looker.look(probe.eye, direction, 0.0, |vertex, meeting| {
+        meeting.shaded(solution, vertex)
     });
     Rgb::from(seen.map(|channel| channel as f32))
 }

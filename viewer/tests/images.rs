@@ -11,7 +11,7 @@ use sheen_solver::{Rgb, Solution};
 use sheen_viewer::camera::View;
 use sheen_viewer::gpu::Gpu;
 use sheen_viewer::ways::chunks::Limits;
-use sheen_viewer::ways::{cpu, solution::SolutionRenderer};
+use sheen_viewer::ways::{Shading, cpu, solution::SolutionRenderer};
 
 fn view(solution: &Solution, change: impl FnOnce(&mut sheen_solver::Camera)) -> View {
     let mut camera = solution.cameras[0].clone();
@@ -52,7 +52,7 @@ fn device_and_processor_agree() {
         return;
     };
     let solution = room();
-    let renderer = SolutionRenderer::new(&gpu, &solution, Limits::default()).unwrap();
+    let mut renderer = SolutionRenderer::new(&gpu, &solution, Limits::default()).unwrap();
     let eyes = [
         Vec3::new(0.3, 1.1, 3.4),
         Vec3::new(-1.5, 0.4, 1.9),
@@ -61,10 +61,13 @@ fn device_and_processor_agree() {
     ];
     for eye in eyes {
         let view = view(&solution, |camera| camera.eye = eye);
-        let device = renderer.render(&gpu, &view, 4).unwrap();
-        let processor = cpu::render(&solution, &view, 4);
-        assert!(device.pixels.iter().any(|p| !p.is_black()));
-        assert_alike(&device, &processor, &format!("eye {eye}"));
+        for shading in [Shading::Samples, Shading::Vertices] {
+            renderer.shading = shading;
+            let device = renderer.render(&gpu, &view, 4).unwrap();
+            let processor = cpu::render_with(&solution, &view, 4, shading);
+            assert!(device.pixels.iter().any(|p| !p.is_black()));
+            assert_alike(&device, &processor, &format!("eye {eye}, {shading:?}"));
+        }
     }
 }
 

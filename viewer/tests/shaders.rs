@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use sheen_viewer::gpu::layout::{FrameUniforms, GlossyVertex, ResolveUniforms};
+use sheen_viewer::gpu::layout::{FrameUniforms, GlossyVertex, ResolveUniforms, ShadedVertex};
 use sheen_viewer::gpu::shaders::{ALL, Shader};
 use std::collections::BTreeSet;
 use std::mem::offset_of;
@@ -102,7 +102,7 @@ macro_rules! assert_mirrors {
 
 #[test]
 fn structures_are_laid_out_as_their_mirrors() {
-    for shader in ["evaluate", "mesh", "glass", "lines"] {
+    for shader in ["evaluate", "mesh", "shade", "glass", "lines"] {
         let expected = layout("mesh", "Frame");
         assert_eq!(layout(shader, "Frame"), expected);
     }
@@ -124,6 +124,15 @@ fn structures_are_laid_out_as_their_mirrors() {
         offset,
         radiance,
         vertex
+    );
+    assert_mirrors!(
+        "shade",
+        "ShadedVertex",
+        ShadedVertex,
+        normal,
+        offset,
+        radiance,
+        padding
     );
     assert_mirrors!(
         "resolve",

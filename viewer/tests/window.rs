@@ -9,7 +9,7 @@ use sheen_solver::{Camera, Quality, Rgb, Solution, SolveConfig};
 use sheen_viewer::camera::{View, Walker};
 use sheen_viewer::script::FRAME_S;
 use sheen_viewer::tonemap;
-use sheen_viewer::ways::cpu;
+use sheen_viewer::ways::{Shading, cpu};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -193,7 +193,8 @@ fn view_of(camera: &Camera, solution: &Solution, shot: &RgbImage) -> View {
 
 /// Share of the pixels of `shot` that differ visibly from what the processor makes of `view`.
 fn share_that_differs(shot: &RgbImage, solution: &Solution, view: &View, exposure: f64) -> f64 {
-    let image = cpu::render(solution, view, 1);
+    // As software adapters draw it.
+    let image = cpu::render_with(solution, view, 1, Shading::Vertices);
     let bytes = tonemap::display_bytes(&image.pixels, exposure);
     let pixels = shot.as_raw().chunks_exact(3).zip(bytes.chunks_exact(3));
     let differs = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 8);
@@ -272,7 +273,8 @@ fn keys_move_the_eye_and_the_highlight_moves_with_it() {
         height: 120,
         ..start.clone()
     };
-    let small = cpu::render(&solution, &View::new(&small, solution.bounds()).unwrap(), 1);
+    let small = View::new(&small, solution.bounds()).unwrap();
+    let small = cpu::render(&solution, &small, 1);
     let exposure = tonemap::default_exposure(&small.pixels);
     let views = [&start, &end].map(|camera| view_of(camera, &solution, &before));
     let differs = |shot, view| share_that_differs(shot, &solution, view, exposure);

@@ -20,8 +20,11 @@ pub(super) fn split_large(
     light: &Light<'_>,
     hierarchy: &mut Hierarchy,
 ) {
-    // A lobe moves over a surface as the eye does: at a distance of a third of the scene, its half-width covers this.
-    const VIEWING_DISTANCE: f32 = 1.0 / 3.0;
+    // What a lobe mirrors changes over a surface with the distance to that. Samples of a picture ask the corners for what
+    // they mirror themselves, so only near things want more corners: half the scene away, a half-width covers this.
+    const DISTANCE: f32 = 0.5;
+    // Shading normals may turn by so many half-widths between corners.
+    const TURN: f32 = 2.0;
     let mut next = 0;
     // Children are appended, so the loop meets them too.
     while next < hierarchy.elements.len() {
@@ -35,13 +38,13 @@ pub(super) fn split_large(
         let gloss = Gloss::of(lobe, prepared.diffuse[element.material as usize]);
         let most = if gloss.share > 0.0 {
             // A faint lobe over a bright surface may be coarser.
-            let size = gloss.width * VIEWING_DISTANCE / gloss.share.sqrt();
+            let size = gloss.width * DISTANCE / gloss.share.sqrt();
             settings.max_edge.min(size.max(settings.min_edge * 2.0))
         } else {
             settings.max_edge
         };
         // On curved surfaces a lobe also moves as far as mirror directions turn; again, a faint one may do so further.
-        let turns = hierarchy.bend(&element) * gloss.share.sqrt() > gloss.width;
+        let turns = hierarchy.bend(&element) * gloss.share.sqrt() > TURN * gloss.width;
         if edge > most || (turns && edge > settings.min_edge) {
             hierarchy.subdivide(element.node);
         }

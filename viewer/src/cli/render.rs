@@ -49,6 +49,9 @@ pub(super) struct Args {
     /// Factor before display encoding (PNG) [default: .8 over the 95th percentile of luminance]
     #[arg(long, value_parser = values::positive, value_name = "FACTOR")]
     exposure: Option<f64>,
+    /// Where the light of glossy surfaces is evaluated
+    #[arg(long, value_enum, default_value = "samples")]
+    shading: ways::Shading,
     /// Use no graphics device
     #[arg(long)]
     cpu: bool,
@@ -138,7 +141,13 @@ fn from_solution(args: &Args) -> anyhow::Result<Picture> {
     let camera = camera(args, &solution.cameras)?;
     let view =
         View::new(&camera, solution.bounds()).with_context(|| args.input.display().to_string())?;
-    let rendered = ways::render(&solution, &view, ways::samples_across(spp), args.cpu);
+    let rendered = ways::render(
+        &solution,
+        &view,
+        ways::samples_across(spp),
+        args.shading,
+        args.cpu,
+    );
     if let Some(reason) = &rendered.fallback {
         note(&format!("{reason}; rendering on the processor instead"));
     }

@@ -75,7 +75,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 fn write_picture(solution: &Solution, camera: &Camera, path: &Path) -> anyhow::Result<()> {
     let view = View::new(camera, solution.bounds())?;
-    let rendered = ways::render(solution, &view, ways::ACROSS, false);
+    let rendered = ways::render(
+        solution,
+        &view,
+        ways::ACROSS,
+        ways::Shading::default(),
+        false,
+    );
     if let Some(reason) = &rendered.fallback {
         note(&format!("{reason}; rendering on the processor instead"));
     }

@@ -32,6 +32,20 @@ pub struct GlossyVertex {
     pub vertex: u32,
 }
 
+/// `ShadedVertex` of `shade.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ShadedVertex {
+    /// Unit.
+    pub normal: [f32; 3],
+    /// Start of its distribution in the chunk's words, or `NO_DISTRIBUTION`.
+    pub offset: u32,
+    /// Part of the radiance that does not depend on direction.
+    pub radiance: [f32; 3],
+    /// Unused.
+    pub padding: u32,
+}
+
 /// `Resolve` of `resolve.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]

@@ -41,6 +41,9 @@ pub const EVALUATE: Shader =
     shader!("evaluate": "shared/frame.wgsl", "shared/directional.wgsl", "evaluate.wgsl");
 /// Opaque triangles.
 pub const MESH: Shader = shader!("mesh": "shared/frame.wgsl", "mesh.wgsl");
+/// Opaque triangles, glossy ones shaded sample by sample.
+pub const SHADE: Shader =
+    shader!("shade": "shared/frame.wgsl", "shared/directional.wgsl", "shade.wgsl");
 /// Clear triangles.
 pub const GLASS: Shader = shader!("glass": "shared/frame.wgsl", "glass.wgsl");
 /// Wireframe.
@@ -49,4 +52,4 @@ pub const LINES: Shader = shader!("lines": "shared/frame.wgsl", "lines.wgsl");
 pub const RESOLVE: Shader = shader!("resolve": "resolve.wgsl");
 
 /// Every shader of the program.
-pub const ALL: [Shader; 5] = [EVALUATE, MESH, GLASS, LINES, RESOLVE];
+pub const ALL: [Shader; 6] = [EVALUATE, MESH, SHADE, GLASS, LINES, RESOLVE];

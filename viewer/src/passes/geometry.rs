@@ -1,7 +1,7 @@
 //! Draws triangles, wireframe lines and glass.
 
-use super::FrameGroup;
 use super::targets::{DEPTH_FORMAT, RADIANCE_FORMAT, TINT_FORMAT, Targets};
+use super::{FrameGroup, buffer, entry};
 use crate::gpu::{Gpu, shaders};
 use wgpu::VertexFormat::{Float32x3, Float32x4};
 
@@ -9,6 +9,8 @@ use wgpu::VertexFormat::{Float32x3, Float32x4};
 #[derive(Debug)]
 pub struct Geometry {
     mesh: wgpu::RenderPipeline,
+    shade: wgpu::RenderPipeline,
+    shade_layout: wgpu::BindGroupLayout,
     lines: wgpu::RenderPipeline,
     glass: wgpu::RenderPipeline,
 }
@@ -24,6 +26,15 @@ pub struct MeshBuffers {
     pub indices: wgpu::Buffer,
     /// Number of `indices`.
     pub index_count: u32,
+}
+
+/// What of it is drawn.
+#[derive(Clone, Copy, Debug)]
+pub enum MeshPart<'a> {
+    /// With the radiance of its vertices.
+    Coloured(&'a MeshBuffers),
+    /// Shaded sample by sample: what [`Geometry::bind`] made, and the number of corners.
+    Shaded(&'a wgpu::BindGroup, u32),
 }
 
 /// A plain list of vertices.
@@ -49,6 +60,7 @@ fn vertex_buffer<'a>(
 struct Plan<'a> {
     shader: shaders::Shader,
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    group: Option<&'a wgpu::BindGroupLayout>,
     topology: wgpu::PrimitiveTopology,
     cull: Option<wgpu::Face>,
     target: wgpu::ColorTargetState,
@@ -61,7 +73,8 @@ fn pipeline(gpu: &Gpu, frame: &FrameGroup, plan: &Plan<'_>) -> wgpu::RenderPipel
         .device
         .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(plan.shader.label),
-            bind_group_layouts: &[Some(&frame.layout)],
+            bind_group_layouts: &[Some(&frame.layout), plan.group]
+                [..1 + usize::from(plan.group.is_some())],
             immediate_size: 0,
         });
     gpu.device
@@ -123,15 +136,32 @@ impl Geometry {
         let mesh = Plan {
             shader: shaders::MESH,
             buffers: &[vertex_buffer(12, &position), vertex_buffer(16, &colour)],
+            group: None,
             topology: wgpu::PrimitiveTopology::TriangleList,
             // What is seen from both sides stands in the mesh twice.
             cull: Some(wgpu::Face::Back),
             target: radiance.clone(),
             writes_depth: true,
         };
+        let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+        let shade_layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("shade"),
+                entries: &[0, 1, 2, 3].map(|binding| entry(binding, stage, storage)),
+            });
+        let shade = Plan {
+            shader: shaders::SHADE,
+            buffers: &[],
+            group: Some(&shade_layout),
+            target: radiance.clone(),
+            ..mesh
+        };
         let lines = Plan {
             shader: shaders::LINES,
             buffers: &[vertex_buffer(24, &pair)],
+            group: None,
             topology: wgpu::PrimitiveTopology::LineList,
             cull: None,
             target: radiance,
@@ -140,16 +170,42 @@ impl Geometry {
         let glass = Plan {
             shader: shaders::GLASS,
             buffers: &[vertex_buffer(24, &pair)],
+            group: None,
             topology: wgpu::PrimitiveTopology::TriangleList,
             cull: None,
             target: tint,
             writes_depth: false,
         };
         Self {
+            shade: pipeline(gpu, frame, &shade),
             mesh: pipeline(gpu, frame, &mesh),
             lines: pipeline(gpu, frame, &lines),
             glass: pipeline(gpu, frame, &glass),
+            shade_layout,
         }
+    }
+
+    /// Binds the buffers of a chunk to be shaded sample by sample.
+    pub fn bind(
+        &self,
+        gpu: &Gpu,
+        mesh: &MeshBuffers,
+        vertices: &wgpu::Buffer,
+        words: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        let buffers = [&mesh.positions, &mesh.indices, vertices, words];
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("shade"),
+            layout: &self.shade_layout,
+            entries: &entries,
+        })
     }
 
     /// Draws the opaque mesh and the lines over it, then the glass before it.
@@ -158,7 +214,7 @@ impl Geometry {
         encoder: &mut wgpu::CommandEncoder,
         frame: &FrameGroup,
         targets: &Targets,
-        mesh: &[&MeshBuffers],
+        mesh: &[MeshPart<'_>],
         lines: &[VertexList],
         glass: &[VertexList],
     ) {
@@ -188,12 +244,21 @@ impl Geometry {
                 ..wgpu::RenderPassDescriptor::default()
             });
             pass.set_bind_group(0, &frame.group, &[]);
-            pass.set_pipeline(&self.mesh);
             for part in mesh {
-                pass.set_vertex_buffer(0, part.positions.slice(..));
-                pass.set_vertex_buffer(1, part.colours.slice(..));
-                pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..part.index_count, 0, 0..1);
+                match part {
+                    MeshPart::Coloured(part) => {
+                        pass.set_pipeline(&self.mesh);
+                        pass.set_vertex_buffer(0, part.positions.slice(..));
+                        pass.set_vertex_buffer(1, part.colours.slice(..));
+                        pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
+                        pass.draw_indexed(0..part.index_count, 0, 0..1);
+                    }
+                    MeshPart::Shaded(group, corners) => {
+                        pass.set_pipeline(&self.shade);
+                        pass.set_bind_group(1, *group, &[]);
+                        pass.draw(0..*corners, 0..1);
+                    }
+                }
             }
             pass.set_pipeline(&self.lines);
             draw(&mut pass, lines);

@@ -1,6 +1,6 @@
 //! Cuts a solution into parts whose buffers keep to WebGPU's default limits. Nearly always there is one part.
 
-use crate::gpu::layout::{GlossyVertex, LineEnd};
+use crate::gpu::layout::{GlossyVertex, LineEnd, ShadedVertex};
 use glam::Vec3;
 use sheen_solver::Solution;
 use sheen_solver::solution::NO_DISTRIBUTION;
@@ -25,7 +25,7 @@ impl Default for Limits {
         Self {
             vertices: 4_000_000,
             words: 32 << 20,
-            triangles: 20_000_000,
+            triangles: 11_000_000,
         }
     }
 }
@@ -39,6 +39,8 @@ pub struct Chunk {
     pub colours: Vec<[f32; 4]>,
     /// Vertices with a distribution.
     pub glossy: Vec<GlossyVertex>,
+    /// All vertices as samples are shaded from them.
+    pub shaded: Vec<ShadedVertex>,
     /// Their distributions.
     pub words: Vec<u32>,
     /// Corners.
@@ -114,18 +116,25 @@ fn add_vertex(chunk: &mut Chunk, solution: &Solution, vertex: usize, end: u32) {
     let radiance = solution.radiance[vertex].to_array();
     let offset = solution.distribution_offset[vertex];
     let is_glossy = offset != NO_DISTRIBUTION;
+    let mut local_offset = NO_DISTRIBUTION;
     if is_glossy {
-        let (start, vertex) = (chunk.words.len() as u32, chunk.positions.len() as u32);
+        local_offset = chunk.words.len() as u32;
         chunk.glossy.push(GlossyVertex {
             position,
-            offset: start,
+            offset: local_offset,
             radiance,
-            vertex,
+            vertex: chunk.positions.len() as u32,
         });
         chunk
             .words
             .extend_from_slice(&solution.distribution_words[offset as usize..end as usize]);
     }
+    chunk.shaded.push(ShadedVertex {
+        normal: solution.normal[vertex].to_array(),
+        offset: local_offset,
+        radiance,
+        padding: 0,
+    });
     chunk.positions.push(position);
     chunk.colours.push([
         radiance[0],

@@ -1,5 +1,6 @@
 //! The plain twin of `ways::solution`: the same image by rays, for machines without any graphics adapter.
 
+use super::Shading;
 use crate::camera::View;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
@@ -152,13 +153,13 @@ impl<'a> Looker<'a> {
     }
 
     /// What is seen from `eye` [m] along unit `direction` beyond `near` [m], where `radiance` gives each vertex's
-    /// towards the eye [W·sr⁻¹·m⁻²].
+    /// at a meeting [W·sr⁻¹·m⁻²].
     pub fn look(
         &self,
         eye: Vec3,
         direction: DVec3,
         near: f64,
-        radiance: impl Fn(usize) -> Rgb,
+        radiance: impl Fn(usize, &Meeting) -> Rgb,
     ) -> [f64; 3] {
         let eye = eye * self.scale;
         let near = near * f64::from(self.scale);
@@ -166,9 +167,10 @@ impl<'a> Looker<'a> {
             return [0.0; 3];
         };
         let mut sum = [0.0; 3];
-        let corners = self.solution.triangles[triangle];
-        for (vertex, weight) in corners.iter().zip(crossing.weights) {
-            for (channel, value) in sum.iter_mut().zip(radiance(*vertex as usize).to_array()) {
+        let corners = self.solution.triangles[triangle].map(|corner| corner as usize);
+        let meeting = Meeting::new(self.solution, corners, crossing.weights, direction);
+        for (vertex, weight) in corners.into_iter().zip(crossing.weights) {
+            for (channel, value) in sum.iter_mut().zip(radiance(vertex, &meeting).to_array()) {
                 *channel += f64::from(value) * weight;
             }
         }
@@ -185,24 +187,71 @@ impl<'a> Looker<'a> {
 }
 
 /// Radiance of a vertex towards `eye`.
-pub fn towards(solution: &Solution, vertex: usize, eye: Vec3) -> Rgb {
+fn towards(solution: &Solution, vertex: usize, eye: Vec3) -> Rgb {
     let direction = (eye - solution.position[vertex]).normalize_or_zero();
     solution.evaluate(vertex, direction)
 }
 
+/// Distributions are not asked for directions nearer to the surface.
+const GRAZING: f32 = 0.02;
+
+fn mirrored(normal: Vec3, direction: Vec3) -> Vec3 {
+    normal * (2.0 * normal.dot(direction)) - direction
+}
+
+/// Where a ray meets the mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// Towards what the surface mirrors to where the ray comes from, unit.
+    mirrored: Vec3,
+}
+
+impl Meeting {
+    fn new(solution: &Solution, corners: [usize; 3], weights: [f64; 3], direction: DVec3) -> Self {
+        let normals = corners.iter().zip(weights);
+        let normal: Vec3 = normals.map(|(&v, w)| solution.normal[v] * w as f32).sum();
+        Self {
+            mirrored: mirrored(normal.normalize_or_zero(), -direction.as_vec3()),
+        }
+    }
+
+    /// Radiance that a vertex would have here: towards what mirrors there what is mirrored here. Lobes follow mirror
+    /// directions, so the corners of a triangle are blended where they agree, over curved surfaces too.
+    pub fn shaded(&self, solution: &Solution, vertex: usize) -> Rgb {
+        let normal = solution.normal[vertex];
+        let mut direction = mirrored(normal, self.mirrored);
+        let height = normal.dot(direction);
+        if height < GRAZING {
+            direction = (direction + normal * (GRAZING - height)).normalize_or_zero();
+        }
+        solution.evaluate(vertex, direction)
+    }
+}
+
+/// [`render_with`] the usual shading.
+pub fn render(solution: &Solution, view: &View, across: u32) -> Image {
+    render_with(solution, view, across, Shading::default())
+}
+
 /// Renders `view` of `solution`; a pixel is the mean over `across` × `across` samples at the middles of its cells.
 ///
-/// Cost: one evaluation per vertex, one ray per sample.
-pub fn render(solution: &Solution, view: &View, across: u32) -> Image {
-    let radiance: Vec<Rgb> = (0..solution.position.len())
-        .into_par_iter()
-        .map(|vertex| towards(solution, vertex, view.eye))
-        .collect();
+/// Cost: one ray per sample, and three evaluations of distributions per sample or one per vertex.
+pub fn render_with(solution: &Solution, view: &View, across: u32, shading: Shading) -> Image {
+    let of_vertices: Vec<Rgb> = match shading {
+        Shading::Samples => Vec::new(),
+        Shading::Vertices => (0..solution.position.len())
+            .into_par_iter()
+            .map(|vertex| towards(solution, vertex, view.eye))
+            .collect(),
+    };
     let looker = Looker::new(solution, &[view.eye]);
     let sample = |x: f64, y: f64| {
         let direction = view.direction(x, y);
         let near = view.near_along(direction);
-        looker.look(view.eye, direction, near, |vertex| radiance[vertex])
+        looker.look(view.eye, direction, near, |vertex, meeting| match shading {
+            Shading::Samples => meeting.shaded(solution, vertex),
+            Shading::Vertices => of_vertices[vertex],
+        })
     };
     let step = 1.0 / f64::from(across);
     let pixels = (0..view.width as usize * view.height as usize)

@@ -10,6 +10,16 @@ use crate::gpu::{Gpu, GpuError};
 use sheen_formats::image::Image;
 use sheen_solver::Solution;
 
+/// Where the light of glossy surfaces is evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Shading {
+    /// At every sample of every pixel.
+    #[default]
+    Samples,
+    /// At the vertices, once a frame, and interpolated (§5.2): cheaper, and highlights smear between vertices.
+    Vertices,
+}
+
 /// An image and how it was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendered {
@@ -22,10 +32,18 @@ pub struct Rendered {
 }
 
 /// Renders `view` on a graphics device, or with `cpu`, or where there is no device, on the processor.
-pub fn render(solution: &Solution, view: &View, across: u32, cpu: bool) -> Rendered {
+pub fn render(
+    solution: &Solution,
+    view: &View,
+    across: u32,
+    shading: Shading,
+    cpu: bool,
+) -> Rendered {
     let on_gpu = || -> Result<(Image, String), GpuError> {
         let gpu = Gpu::headless()?;
-        let renderer = solution::SolutionRenderer::new(&gpu, solution, chunks::Limits::default())?;
+        let mut renderer =
+            solution::SolutionRenderer::new(&gpu, solution, chunks::Limits::default())?;
+        renderer.shading = shading;
         Ok((renderer.render(&gpu, view, across)?, gpu.info.name))
     };
     let fallback = if cpu {
@@ -43,7 +61,7 @@ pub fn render(solution: &Solution, view: &View, across: u32, cpu: bool) -> Rende
         }
     };
     Rendered {
-        image: cpu::render(solution, view, across),
+        image: cpu::render_with(solution, view, across, shading),
         device: "the processor".to_owned(),
         fallback,
     }

@@ -1,5 +1,6 @@
 //! Draws a solution on the graphics device: glossy vertices are evaluated towards the eye, triangles rasterised.
 
+use super::Shading;
 use super::chunks::{self, Limits};
 use crate::camera::{Tile, View};
 use crate::gpu::layout::{FrameUniforms, GlassCorner, ResolveUniforms};
@@ -7,7 +8,7 @@ use crate::gpu::timing::FrameTimer;
 use crate::gpu::{Gpu, GpuError, readback};
 use crate::passes::FrameGroup;
 use crate::passes::evaluate::Evaluate;
-use crate::passes::geometry::{Geometry, MeshBuffers, VertexList};
+use crate::passes::geometry::{Geometry, MeshBuffers, MeshPart, VertexList};
 use crate::passes::resolve::{Output, Resolve};
 use crate::passes::targets::{RADIANCE_FORMAT, Targets, texture};
 use sheen_formats::image::Image;
@@ -23,6 +24,7 @@ const LIST_VERTICES: usize = 9_999_996;
 struct Part {
     mesh: MeshBuffers,
     evaluation: wgpu::BindGroup,
+    shading: wgpu::BindGroup,
     glossy_count: u32,
 }
 
@@ -47,6 +49,8 @@ pub struct SolutionRenderer {
     parts: Vec<Part>,
     lines: Option<Vec<VertexList>>,
     glass: Vec<VertexList>,
+    /// Where light is evaluated.
+    pub shading: Shading,
 }
 
 fn lists<T: bytemuck::Pod>(gpu: &Gpu, label: &str, vertices: &[T]) -> Vec<VertexList> {
@@ -64,11 +68,16 @@ impl SolutionRenderer {
     pub fn new(gpu: &Gpu, solution: &Solution, limits: Limits) -> Result<Self, GpuError> {
         let frame = FrameGroup::new(gpu);
         let evaluate = Evaluate::new(gpu, &frame);
+        let geometry = Geometry::new(gpu, &frame);
         let parts = chunks::cut(solution, limits)
             .into_iter()
             .map(|chunk| {
                 let mesh = MeshBuffers {
-                    positions: gpu.buffer("positions", &chunk.positions, BufferUsages::VERTEX),
+                    positions: gpu.buffer(
+                        "positions",
+                        &chunk.positions,
+                        BufferUsages::VERTEX | BufferUsages::STORAGE,
+                    ),
                     colours: gpu.buffer(
                         "colours",
                         &chunk.colours,
@@ -77,16 +86,17 @@ impl SolutionRenderer {
                     indices: gpu.buffer(
                         "triangles",
                         chunk.triangles.as_flattened(),
-                        BufferUsages::INDEX,
+                        BufferUsages::INDEX | BufferUsages::STORAGE,
                     ),
                     index_count: 3 * chunk.triangles.len() as u32,
                 };
                 let glossy = gpu.buffer("glossy vertices", &chunk.glossy, BufferUsages::STORAGE);
                 let words = gpu.buffer("distributions", &chunk.words, BufferUsages::STORAGE);
-                let evaluation = evaluate.bind(gpu, &glossy, &words, &mesh.colours);
+                let shaded = gpu.buffer("vertices", &chunk.shaded, BufferUsages::STORAGE);
                 Part {
+                    evaluation: evaluate.bind(gpu, &glossy, &words, &mesh.colours),
+                    shading: geometry.bind(gpu, &mesh, &shaded, &words),
                     mesh,
-                    evaluation,
                     glossy_count: chunk.glossy.len() as u32,
                 }
             })
@@ -106,7 +116,8 @@ impl SolutionRenderer {
             })
             .collect();
         let renderer = Self {
-            geometry: Geometry::new(gpu, &frame),
+            geometry,
+            shading: Shading::default(),
             resolve: Resolve::new(gpu),
             glass: lists(gpu, "glass", &corners),
             lines: None,
@@ -147,6 +158,7 @@ impl SolutionRenderer {
         let chunks = self
             .parts
             .iter()
+            .filter(|_| self.shading == Shading::Vertices)
             .map(|part| (&part.evaluation, part.glossy_count));
         self.evaluate
             .record(encoder, &self.frame, chunks, timer.map(FrameTimer::begin));
@@ -158,7 +170,13 @@ impl SolutionRenderer {
         targets: &Targets,
         overlay: Overlay,
     ) {
-        let mesh: Vec<&MeshBuffers> = self.parts.iter().map(|part| &part.mesh).collect();
+        let parts = self.parts.iter();
+        let mesh: Vec<MeshPart<'_>> = match self.shading {
+            Shading::Vertices => parts.map(|part| MeshPart::Coloured(&part.mesh)).collect(),
+            Shading::Samples => parts
+                .map(|part| MeshPart::Shaded(&part.shading, part.mesh.index_count))
+                .collect(),
+        };
         let lines = self
             .lines
             .as_deref()
