@@ -147,21 +147,22 @@ impl Rays<'_> {
     fn sender_point(&self, uv: Vec2, seed: u32, seen_from: Vec3) -> Option<RayEnd> {
         if let Some(polygon) = &self.sender.polygon {
             // The brighter a part, the more it counts.
-            let mut polygon = *polygon;
             let mut id = self.sender.id.node;
             let mut salt = 100;
             while let Some(child) =
                 self.exitant
                     .brighter_child(self.hierarchy, id, hash::unit(seed, salt))
             {
-                polygon = self.hierarchy.element_of(child)?.polygon;
                 (id, salt) = (child, salt + 1);
             }
-            let is_part = !self.sender.id.is_whole();
-            let exposed = self.hierarchy.element_of(id).filter(|_| !is_part);
-            let uv = exposed.map_or(uv, |element| element.exposed.point(uv));
+            // A quarter of a leaf is no element, and has no children.
+            let point = if self.sender.id.is_whole() {
+                self.hierarchy.element_of(id)?.point(uv)
+            } else {
+                polygon.point(uv)
+            };
             return Some(RayEnd {
-                point: polygon.point(uv),
+                point,
                 node: id,
                 patch: self.sender.patch,
                 normal: self.sender.normal,
