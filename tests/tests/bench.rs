@@ -1,4 +1,4 @@
-//! The commands that measure: `sheen verify` and `sheen bench convergence`.
+//! The commands that measure: `sheen verify` and `sheen bench`.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use serde_json::Value;
@@ -198,4 +198,58 @@ fn more_work_means_less_error() {
         assert!(figure(1, name) > figure(0, name), "{name}: {text}");
     }
     assert!(ladder["slope"].as_f64().unwrap() < 0.0, "{text}");
+}
+
+/// The rows of a table in `folder`, as JSON.
+fn rows(folder: &Path, name: &str) -> Vec<Vec<Value>> {
+    let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap();
+    let table: Value = serde_json::from_str(&text).unwrap();
+    serde_json::from_value(table["rows"].clone()).unwrap()
+}
+
+#[test]
+fn the_reflection_of_a_sum_takes_fewer_basis_functions_and_evaluations() {
+    let desk = tempfile::tempdir().unwrap();
+    let scenes = own_path("furnace");
+    let scenes = scenes.ancestors().nth(2).unwrap().to_str().unwrap();
+    let ran = sheen(
+        desk.path(),
+        &["bench", "tables", "sum", "--scenes", scenes, "-o", "t"],
+    );
+    assert_eq!(ran.status(), Some(0), "{}", ran.stderr());
+    assert!(ran.stdout().starts_with("Table 1"), "{}", ran.stdout());
+    let folder = desk.path().join("t");
+    assert_eq!(names(&folder), ["sum.csv", "sum.json", "sum.md"]);
+    // Table 1 of the paper, where sums take more evaluations at 3 and at 30 degrees.
+    for (row, least) in rows(&folder, "sum").iter().zip([1.4, 4.0, 7.0]) {
+        let ratio = |column: usize| row[column].as_f64().unwrap();
+        assert!(ratio(3) >= least && ratio(7) > 1.0, "{row:?}");
+    }
+    let ran = sheen(
+        desk.path(),
+        &["bench", "tables", "sum", "--scenes", "nowhere"],
+    );
+    assert_eq!(ran.status(), Some(1));
+    assert!(ran.stderr().contains("nowhere"), "{}", ran.stderr());
+}
+
+#[test]
+fn scaling_has_a_row_for_each_size() {
+    let desk = tempfile::tempdir().unwrap();
+    let arguments = [
+        "bench",
+        "scaling",
+        "--triangles",
+        "200,800",
+        "--quality",
+        "draft",
+        "-o",
+        ".",
+    ];
+    let ran = sheen(desk.path(), &arguments);
+    assert_eq!(ran.status(), Some(0), "{}", ran.stderr());
+    assert!(ran.stdout().contains("to the power"), "{}", ran.stdout());
+    let rows = rows(desk.path(), "scaling");
+    assert_eq!(rows.len(), 2);
+    assert!(rows[1][0].as_u64() > rows[0][0].as_u64());
 }

@@ -23,7 +23,7 @@ mod tests {
     #[test]
     fn an_exponent_is_found_whatever_the_factor() {
         let points = [1.0, 3.0, 10.0, 0.0].map(|x: f64| (x, 7.0 * x.powf(1.25)));
-        let found = power_law(points.into_iter()).unwrap();
+        let found = power_law(points.into_iter()).expect("three points");
         assert!((found - 1.25).abs() < 1e-12, "{found}");
         assert_eq!(power_law([(2.0, 1.0)].into_iter()), None);
         assert_eq!(power_law([(2.0, 1.0), (2.0, 3.0)].into_iter()), None);

@@ -137,7 +137,8 @@ mod tests {
             table.csv(),
             "what,count,s\n\"a, \"\"b\"\"\",12,1.2\nc,,3.0\n"
         );
-        let json: serde_json::Value = serde_json::from_str(&table.json().unwrap()).unwrap();
+        let json: serde_json::Value =
+            serde_json::from_str(&table.json().expect("text")).expect("JSON");
         assert_eq!(json["rows"][0][2], 1.25);
         assert!(json["rows"][1][1].is_null());
     }

@@ -35,6 +35,9 @@ pub(super) fn is_interrupted() -> bool {
 pub(super) struct TerminalObserver {
     bar: Option<ProgressBar>,
     started: Instant,
+    /// When what is reported began: a program that solves several times starts again.
+    began: Instant,
+    done: f32,
     last_line: Instant,
     phase: &'static str,
 }
@@ -54,6 +57,8 @@ impl TerminalObserver {
         Self {
             bar,
             started: Instant::now(),
+            began: Instant::now(),
+            done: 0.0,
             last_line: Instant::now(),
             phase: "",
         }
@@ -69,9 +74,10 @@ impl TerminalObserver {
     fn clock(&self, done: f32) -> String {
         let elapsed = self.started.elapsed().as_secs_f64();
         let done = f64::from(done.clamp(0.0, 1.0));
+        let spent = self.began.elapsed().as_secs_f64();
         // An estimate from the first per cent would only mislead.
         if done > 0.01 {
-            format!("{elapsed:.0} s, {:.0} s left", elapsed / done - elapsed)
+            format!("{elapsed:.0} s, {:.0} s left", spent / done - spent)
         } else {
             format!("{elapsed:.0} s")
         }
@@ -80,6 +86,10 @@ impl TerminalObserver {
 
 impl Observer for TerminalObserver {
     fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
+        if progress.done < self.done {
+            self.began = Instant::now();
+        }
+        self.done = progress.done;
         if let Some(bar) = &self.bar {
             bar.set_message(progress.phase);
             bar.set_prefix(self.clock(progress.done));
