@@ -12,10 +12,10 @@ pub(crate) fn scene() -> GeneratedScene {
         title: "A square lamp stands behind a very glossy ground that mirrors it",
         stresses: "the shape of a light in its reflection: few illumination samples show as dots",
         known: &[
-            "The lamp is 1 m square, 0.4 m above the ground; the ground is 3 m square, Ks 0.9, Ns 400",
+            "The lamp is 1 m square, 0.4 m above the ground; the ground is 3 m square, Ks 0.9, Ns 300",
         ],
     });
-    let ground = b.material("ground", Material::glossy([0.04; 3], [0.9; 3], 400.0));
+    let ground = b.material("ground", Material::glossy([0.04; 3], [0.9; 3], 300.0));
     let lamp = b.material("lamp", Material::diffuse([0.0; 3]).emitting([8.0; 3]));
     b.object("ground");
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);

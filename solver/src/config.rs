@@ -167,6 +167,8 @@ pub struct Settings {
     pub epsilon: f32,
     /// The same in transport, where light is averaged over receivers.
     pub transport_epsilon: f32,
+    /// The same of clusters, which send to what is far away.
+    pub cluster_epsilon: f32,
     /// Radiance that carries no direction in transport, as a share of the mean of the scene.
     pub least_directional: f32,
     /// Deepest level of the basis in transport.
@@ -208,12 +210,13 @@ impl Settings {
             scheme: Scheme::default(),
             refiner: Refiner::default(),
             basis: Basis::default(),
-            link_tolerance: knob(4e-4, 3e-5) * beyond_default(0.36),
+            link_tolerance: knob(4e-4, 2.5e-5) * beyond_default(0.43),
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
             epsilon: knob(0.7, 0.05),
             transport_epsilon: knob(1.5, 0.1),
+            cluster_epsilon: knob(1.5, 0.2),
             least_directional: knob(0.15, 0.01),
             transport_level: step([4, 4, 5, 6]),
             display_level: step([4, 5, 5, 6]),

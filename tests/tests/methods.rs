@@ -153,6 +153,7 @@ fn the_absolute_refiner_spends_cells_where_it_is_bright() {
     let with = |refiner| {
         let config = SolveConfig {
             refiner,
+            epsilon: Some(0.4),
             ..SolveConfig::default()
         };
         solved(&scene, &config)

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 #![allow(clippy::print_stdout, reason = "figures are read from the output")]
 
-use sheen_solver::{Solution, SolveConfig, SolveError, solve};
+use sheen_solver::{Quality, Solution, SolveConfig, SolveError, solve};
 use sheen_tests::{UntilReport, scenes};
 
 /// Mean radiance over the vertices that reflect light, and their number.
@@ -24,13 +24,13 @@ fn mean(solution: &Solution) -> (f32, usize) {
 #[test]
 fn while_vertices_are_gathered() {
     let scene = scenes::own("cornell_box_glossy");
-    let whole = solve(&scene, &SolveConfig::default(), &mut ()).unwrap();
-    let stopped = solve(
-        &scene,
-        &SolveConfig::default(),
-        &mut UntilReport(0, "light at vertices"),
-    )
-    .unwrap();
+    // More vertices than a few batches have.
+    let config = SolveConfig {
+        quality: Quality::new(2.5).unwrap(),
+        ..SolveConfig::default()
+    };
+    let whole = solve(&scene, &config, &mut ()).unwrap();
+    let stopped = solve(&scene, &config, &mut UntilReport(0, "light at vertices")).unwrap();
     let (gathered, all) = (
         stopped.stats.solve.vertex_links,
         whole.stats.solve.vertex_links,

@@ -16,7 +16,7 @@ use crate::transport::exitant::Exitant;
 use crate::transport::illumination::SampleSets;
 use crate::transport::openness::Openness;
 use crate::transport::propagate::{Accuracy, Arrivals, Gloss, LinkRecord, LinkStats, Propagation};
-use crate::transport::pull::pull;
+use crate::transport::pull::{PullConfig, pull};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -161,13 +161,17 @@ impl<'a> Iteration<'a> {
         let config = first.reflect_config(0.0);
         let (emitted, _, ledger) = first.reflected(&Arrived::default(), &config, true);
         (first.sent, first.emitted) = (emitted, ledger.exitance);
-        pull(
-            &first.hierarchy,
-            &mut first.sent,
-            settings.transport_epsilon,
-            settings.basis,
-        );
+        let how = first.pull_config();
+        pull(&first.hierarchy, &mut first.sent, &how);
         first
+    }
+
+    fn pull_config(&self) -> PullConfig {
+        PullConfig {
+            epsilon: self.settings.transport_epsilon,
+            cluster_epsilon: self.settings.cluster_epsilon,
+            basis: self.settings.basis,
+        }
     }
 
     /// Power that is sent by point lights, per channel.
@@ -266,12 +270,8 @@ impl<'a> Iteration<'a> {
         self.sent = sent;
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
         let started = Instant::now();
-        pull(
-            &self.hierarchy,
-            &mut self.sent,
-            self.settings.transport_epsilon,
-            self.settings.basis,
-        );
+        let how = self.pull_config();
+        pull(&self.hierarchy, &mut self.sent, &how);
         let solve = &mut self.stats.solve;
         solve.phases_s.pull += started.elapsed().as_secs_f64();
         let bytes = &mut solve.bytes.distributions;
@@ -299,8 +299,7 @@ impl<'a> Iteration<'a> {
         let arrived = std::mem::take(&mut self.arrived);
         let (mut total, irradiance, ledger) = self.reflected(&arrived, &config, true);
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
-        let (epsilon, basis) = (self.settings.transport_epsilon, self.settings.basis);
-        pull(&self.hierarchy, &mut total, epsilon, basis);
+        pull(&self.hierarchy, &mut total, &self.pull_config());
         let solve = &mut self.stats.solve;
         let by_surfaces = mean(ledger.received - (ledger.exitance - self.emitted));
         solve.absorbed_w = by_surfaces + self.in_glass;

@@ -105,6 +105,7 @@ impl SolveConfig {
                 "above 0, at most 10",
             )?;
             settings.transport_epsilon *= epsilon / settings.epsilon;
+            settings.cluster_epsilon *= epsilon / settings.epsilon;
             settings.epsilon = epsilon;
         }
         if let Some(epsilon) = self.transport_epsilon {
@@ -116,6 +117,7 @@ impl SolveConfig {
                 "above 0, at most 10",
             )?;
             settings.transport_epsilon = epsilon;
+            settings.cluster_epsilon = epsilon;
         }
         if let Some(threads) = self.threads {
             check(

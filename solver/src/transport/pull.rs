@@ -63,8 +63,19 @@ struct Pulled {
     centre: Vec3,
 }
 
-/// Fills `exitant` for every inner node from its leaves, whose own is known, on `basis`. `epsilon`: of the refiner.
-pub fn pull(hierarchy: &Hierarchy, exitant: &mut Exitant, epsilon: f32, basis: Basis) {
+/// How finely to pull.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PullConfig {
+    /// ε of the refiner for elements.
+    pub epsilon: f32,
+    /// And for clusters.
+    pub cluster_epsilon: f32,
+    /// What is projected on.
+    pub basis: Basis,
+}
+
+/// Fills `exitant` for every inner node from its leaves, whose own is known.
+pub fn pull(hierarchy: &Hierarchy, exitant: &mut Exitant, config: &PullConfig) {
     // Nodes by height above their leaves: all of one height are independent.
     let mut height = vec![0u16; hierarchy.nodes.len()];
     let mut by_height: Vec<Vec<NodeId>> = Vec::new();
@@ -96,7 +107,7 @@ pub fn pull(hierarchy: &Hierarchy, exitant: &mut Exitant, epsilon: f32, basis: B
             .par_iter()
             .with_max_len(16)
             .map_init(Projector::default, |projector, &id| {
-                pull_node(hierarchy, shared, id, (epsilon, basis), projector)
+                pull_node(hierarchy, shared, id, config, projector)
             })
             .collect();
         for (id, pulled) in ids.into_iter().zip(pulled) {
@@ -120,7 +131,7 @@ fn pull_node(
     hierarchy: &Hierarchy,
     exitant: &Exitant,
     id: NodeId,
-    (epsilon, basis): (f32, Basis),
+    config: &PullConfig,
     projector: &mut Projector,
 ) -> Pulled {
     let lit: Vec<NodeId> = hierarchy
@@ -176,10 +187,14 @@ fn pull_node(
             } else {
                 CLUSTER_LEVEL
             },
-            epsilon,
+            epsilon: if element.is_some() {
+                config.epsilon
+            } else {
+                config.cluster_epsilon
+            },
             floor,
             relative: true,
-            basis,
+            basis: config.basis,
             horizon: element.map(|e| e.normal),
             integral: Some(match element {
                 Some(_) => power - PI * area * diffuse.mean(),
