@@ -210,7 +210,7 @@ impl Settings {
             scheme: Scheme::default(),
             refiner: Refiner::default(),
             basis: Basis::default(),
-            link_tolerance: knob(4e-4, 2.5e-5) * beyond_default(0.43),
+            link_tolerance: knob(4e-4, 1.5e-5) * beyond_default(0.72),
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
