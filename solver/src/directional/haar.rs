@@ -128,10 +128,10 @@ impl Projector {
         if !self.even.is_empty() {
             return uniform::vertex_count(self.even[1]) as u64;
         }
-        let is_lit = |&&v: &&u32| !self.tree.values[v as usize].is_black();
+        let is_lit = |vertex: u32| !self.tree.values[vertex as usize].is_black();
         let leaves = self.tree.leaves();
         leaves
-            .filter(|(_, cell)| cell.vertices.iter().any(|v| is_lit(&v)))
+            .filter(|(_, cell)| cell.vertices.into_iter().any(is_lit))
             .count() as u64
     }
 

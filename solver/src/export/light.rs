@@ -5,7 +5,7 @@ use super::lit::Lit;
 use super::mesh::{Mesh, Vertex, leaves};
 use super::place::Place;
 use super::pockets::pockets;
-use crate::config::Settings;
+use crate::config::{Refiner, Settings};
 use crate::directional::{Projection, Projector, Source, packed};
 use crate::hierarchy::{Element, Hierarchy, NodeId};
 use crate::radiometry::Rgb;
@@ -351,8 +351,11 @@ impl<'a> Light<'a> {
             min_level: 1,
             max_level: self.settings.transport_level,
             epsilon: self.settings.epsilon,
-            floor: 0.2 * mean_radiance + 0.04 * self.typical_irradiance,
-            relative: true,
+            floor: match self.settings.refiner {
+                Refiner::Relative => 0.2 * mean_radiance + 0.04 * self.typical_irradiance,
+                Refiner::Absolute => FRAC_1_PI * self.typical_irradiance,
+            },
+            relative: self.settings.refiner == Refiner::Relative,
             horizon: None,
             integral: None,
             basis: self.settings.basis,

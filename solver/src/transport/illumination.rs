@@ -230,6 +230,8 @@ impl<'a> Ascent<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct SampleSets {
     sets: Vec<Vec<IlluminationSample>>,
+    /// Samples in all of them.
+    count: usize,
 }
 
 impl SampleSets {
@@ -243,6 +245,7 @@ impl SampleSets {
         if samples.is_empty() {
             return;
         }
+        self.count += samples.len();
         if self.sets.len() <= id as usize {
             self.sets.resize_with(id as usize + 1, Vec::new);
         }
@@ -305,7 +308,8 @@ impl Arrivals for SampleSets {
     }
 
     fn bytes(&self) -> usize {
-        self.bytes()
+        // Asked for after every batch: not counted set by set.
+        self.count * size_of::<IlluminationSample>()
     }
 }
 
