@@ -135,6 +135,14 @@ impl<'a> Light<'a> {
         self.irradiance[at as usize].mean()
     }
 
+    /// What vertices of an element may be wrong by more than those of large ones: small things take up few pixels.
+    fn relief(&self, element: &Element) -> f32 {
+        const SMALL: f32 = 0.7;
+        const MOST: f32 = 3.0;
+        let size = element.polygon.vector_area().length().sqrt();
+        (SMALL * self.settings.min_edge / size).clamp(1.0, MOST)
+    }
+
     fn gather(
         &self,
         hierarchy: &Hierarchy,
@@ -147,8 +155,8 @@ impl<'a> Light<'a> {
         samples.clear();
         let receiver = Receiver::vertex(position, normal, element.patch);
         let known = self.known_irradiance(hierarchy, element.node);
-        let limit =
-            self.settings.vertex_tolerance * (known + self.visible_difference(element.material));
+        let tolerance = self.settings.vertex_tolerance * self.relief(element);
+        let limit = tolerance * (known + self.visible_difference(element.material));
         self.gather.at(hierarchy, &receiver, gloss, limit, samples)
     }
 

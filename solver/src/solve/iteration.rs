@@ -161,13 +161,14 @@ impl<'a> Iteration<'a> {
         let config = first.reflect_config(0.0);
         let (emitted, _, ledger) = first.reflected(&Arrived::default(), &config, true);
         (first.sent, first.emitted) = (emitted, ledger.exitance);
-        let how = first.pull_config();
+        let how = first.pull_config(0.0);
         pull(&first.hierarchy, &mut first.sent, &how);
         first
     }
 
-    fn pull_config(&self) -> PullConfig {
+    fn pull_config(&self, emitted: f64) -> PullConfig {
         PullConfig {
+            least: self.reflect_config(emitted).least,
             epsilon: self.settings.transport_epsilon,
             cluster_epsilon: self.settings.cluster_epsilon,
             basis: self.settings.basis,
@@ -270,7 +271,7 @@ impl<'a> Iteration<'a> {
         self.sent = sent;
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let how = self.pull_config();
+        let how = self.pull_config(emitted);
         pull(&self.hierarchy, &mut self.sent, &how);
         let solve = &mut self.stats.solve;
         solve.phases_s.pull += started.elapsed().as_secs_f64();
@@ -299,7 +300,8 @@ impl<'a> Iteration<'a> {
         let arrived = std::mem::take(&mut self.arrived);
         let (mut total, irradiance, ledger) = self.reflected(&arrived, &config, true);
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
-        pull(&self.hierarchy, &mut total, &self.pull_config());
+        let how = self.pull_config(self.stats.solve.emitted_w);
+        pull(&self.hierarchy, &mut total, &how);
         let solve = &mut self.stats.solve;
         let by_surfaces = mean(ledger.received - (ledger.exitance - self.emitted));
         solve.absorbed_w = by_surfaces + self.in_glass;

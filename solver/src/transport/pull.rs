@@ -70,6 +70,8 @@ pub struct PullConfig {
     pub epsilon: f32,
     /// And for clusters.
     pub cluster_epsilon: f32,
+    /// Radiance that carries no direction.
+    pub least: f32,
     /// What is projected on.
     pub basis: Basis,
 }
@@ -175,13 +177,14 @@ fn pull_node(
     let mut distribution = None;
     let mut peak = diffuse.mean();
     if directional {
-        // Half the mean over the sphere is small.
+        // Half the mean over the sphere is small; of what carries no direction a cluster shows a quarter of its area.
         let floor = match element {
-            Some(_) => 0.25 * power / (PI * area),
-            None => 0.5 * power / (4.0 * PI),
+            Some(_) => 0.25 * power / (PI * area) + config.least,
+            None => 0.5 * power / (4.0 * PI) + 0.25 * config.least * area,
         };
+        let is_bright = power > PI * area * config.least;
         let how = Projection {
-            min_level: if element.is_some() { 1 } else { 2 },
+            min_level: if element.is_none() && is_bright { 2 } else { 1 },
             max_level: if element.is_some() {
                 INNER_LEVEL
             } else {
