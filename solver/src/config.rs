@@ -132,6 +132,27 @@ impl FromStr for Refiner {
     }
 }
 
+/// How links find what stands between their ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Visibility {
+    /// Shafts tell what may stand in between; where that is little it is cut out exactly, elsewhere rays decide.
+    #[default]
+    Shafts,
+    /// Stratified rays alone.
+    Rays,
+}
+
+impl FromStr for Visibility {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "shafts" => Ok(Self::Shafts),
+            "rays" => Ok(Self::Rays),
+            _ => Err(format!("'{text}' is neither shafts nor rays")),
+        }
+    }
+}
+
 impl FromStr for Basis {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
@@ -154,6 +175,8 @@ pub struct Settings {
     pub refiner: Refiner,
     /// What distributions are stored on.
     pub basis: Basis,
+    /// How links find what stands between their ends.
+    pub visibility: Visibility,
     /// Tolerance of a link as a share of the emitted power (§3.1). Smaller: more links, about as its inverse.
     pub link_tolerance: f32,
     /// Largest error of the irradiance of a link as a share of what the emitted power would be, spread evenly: small
@@ -210,6 +233,7 @@ impl Settings {
             scheme: Scheme::default(),
             refiner: Refiner::default(),
             basis: Basis::default(),
+            visibility: Visibility::default(),
             link_tolerance: knob(4e-4, 1.5e-5) * beyond_default(0.72),
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),

@@ -83,13 +83,13 @@ pub struct SolveStats {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ByteStats {
-    /// Elements, clusters, bounds.
+    /// Elements, clusters, bounds, and the mesh that is shown.
     pub hierarchy: u64,
     /// Illumination samples.
     pub illumination_samples: u64,
-    /// Directional distributions.
+    /// Directional distributions, of elements and of vertices.
     pub distributions: u64,
-    /// All of these.
+    /// All of these, which do not stand beside each other all the time.
     pub total: u64,
 }
 

@@ -99,6 +99,7 @@ impl<'a> Light<'a> {
             exitant: &transported.total,
             node_count: hierarchy.nodes.len(),
             strata: settings.vertex_strata,
+            visibility: settings.visibility,
         };
         let typical_irradiance = if area > 0.0 {
             (sum / area).powi(2) as f32

@@ -79,18 +79,17 @@ pub(crate) fn export(
     stats.solve.basis_functions += cost.basis_functions;
     stats.solve.distributions += lit.distribution_count();
     stats.scene.triangles = scene.triangles().len() as u64;
-    let held = prepared.bytes() + hierarchy.bytes() + mesh.bytes() + lit.bytes();
+    let shapes = prepared.bytes() + hierarchy.bytes() + mesh.bytes();
+    // Those of the elements stand beside those of the vertices.
+    let distributions = transported.total.bytes() + lit.bytes();
+    let held = shapes + lit.bytes();
     transported.total = Exitant::default();
     let mut solution = assemble(scene, prepared, &hierarchy, mesh, lit);
     let _ = watch.report("export", 1.0, held);
     stats.solve.phases_s.export = started.elapsed().as_secs_f64();
-    stats.solve.bytes.distributions = stats
-        .solve
-        .bytes
-        .distributions
-        .max(size_of_val(solution.distribution_words.as_slice()) as u64);
     let bytes = &mut stats.solve.bytes;
-    bytes.hierarchy = bytes.hierarchy.max(hierarchy.bytes() as u64);
+    bytes.distributions = bytes.distributions.max(distributions as u64);
+    bytes.hierarchy = bytes.hierarchy.max(shapes as u64);
     bytes.total = bytes.hierarchy + bytes.illumination_samples + bytes.distributions;
     solution.stats = stats;
     solution

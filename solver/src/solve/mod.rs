@@ -11,7 +11,7 @@ mod series;
 mod shooting;
 mod watch;
 
-use crate::config::{Basis, Method, Quality, Refiner, Scheme, Settings};
+use crate::config::{Basis, Method, Quality, Refiner, Scheme, Settings, Visibility};
 use crate::error::SolveError;
 use crate::export;
 use crate::scene::Scene;
@@ -51,6 +51,11 @@ pub struct SolveConfig {
     pub refiner: Refiner,
     /// What distributions are stored on. Others than the default exist for comparison.
     pub basis: Basis,
+    /// How links find what stands between their ends. Others than the default exist for comparison.
+    pub visibility: Visibility,
+    /// Rays along each axis of the stratification of an important link, 1..=16; their square is cast. `None`: follows
+    /// from quality.
+    pub strata: Option<u32>,
     /// Gather at vertices, instead of averaging what the elements around them show (§5.2). `None`: follows from quality.
     pub gather: Option<bool>,
     /// ε in transport, above 0, at most 10. `None`: follows from that at vertices.
@@ -146,9 +151,19 @@ impl SolveConfig {
             )?;
             settings.least_directional = share;
         }
+        if let Some(strata) = self.strata {
+            check(
+                (1..=16).contains(&strata),
+                "strata",
+                f64::from(strata),
+                "within 1..16",
+            )?;
+            (settings.strata, settings.vertex_strata) = (strata, strata);
+        }
         settings.gather = self.gather.unwrap_or(settings.gather);
         (settings.method, settings.scheme) = (self.method, self.scheme);
         (settings.refiner, settings.basis) = (self.refiner, self.basis);
+        settings.visibility = self.visibility;
         Ok(settings)
     }
 }

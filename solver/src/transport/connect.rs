@@ -1,5 +1,6 @@
 //! Accepting a link: how much of the sender the receiver sees, and the sample that follows.
 
+use crate::config::Visibility;
 use crate::geometry::Polygon;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::transport::illumination::IlluminationSample;
@@ -62,10 +63,11 @@ impl Propagation<'_> {
     /// Weighs visibility, exactly between elements with little between them, otherwise by rays.
     pub(super) fn connect(&self, link: &Link<'_>, stats: &mut LinkStats) -> Connection {
         let started = Instant::now();
-        let exact = match (&link.sender.polygon, link.bounds.high > FAINT * link.limit) {
-            (Some(polygon), true) if link.is_between_elements() => {
-                self.connect_exactly(link, polygon, stats)
-            }
+        let is_worth_it = self.accuracy.visibility == Visibility::Shafts
+            && link.is_between_elements()
+            && link.bounds.high > FAINT * link.limit;
+        let exact = match &link.sender.polygon {
+            Some(polygon) if is_worth_it => self.connect_exactly(link, polygon, stats),
             _ => None,
         };
         let connection = exact.unwrap_or_else(|| self.connect_by_rays(link, stats));

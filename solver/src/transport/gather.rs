@@ -4,6 +4,7 @@
 //! refinement at all: links are split only where the sender's radiance differs over its parts or directions.
 //! Cost: a bound and a pyramid per link, rays where much stands in between.
 
+use crate::config::Visibility;
 use crate::geometry::Cone;
 use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
@@ -55,6 +56,8 @@ pub struct Gather<'a> {
     pub node_count: usize,
     /// Rays along each axis of the stratification of an important link; their square is cast.
     pub strata: u32,
+    /// How what stands in between is found.
+    pub visibility: Visibility,
 }
 
 /// A link to a vertex.
@@ -150,7 +153,7 @@ impl Gather<'_> {
                     continue;
                 }
             }
-            if strength > FAINT * limit {
+            if strength > FAINT * limit && self.visibility == Visibility::Shafts {
                 match self.exactly(
                     hierarchy,
                     &link,

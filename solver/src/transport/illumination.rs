@@ -5,6 +5,7 @@ use crate::radiometry::Rgb;
 use crate::transport::kernel::{Kernel, transfer};
 use crate::transport::link::{Receiver, Sender, SenderId};
 use crate::transport::openness::Openness;
+use crate::transport::packed_sample::Packed;
 use crate::transport::propagate::Arrivals;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -229,19 +230,24 @@ impl<'a> Ascent<'a> {
 /// Samples that nodes of the hierarchy received; the field of a leaf is the union along its path to the root.
 #[derive(Clone, Debug, Default)]
 pub struct SampleSets {
-    sets: Vec<Vec<IlluminationSample>>,
+    sets: Vec<Vec<Packed>>,
     /// Samples in all of them.
     count: usize,
 }
 
 impl SampleSets {
     /// The samples that node `id` itself received.
-    pub fn of(&self, id: u32) -> &[IlluminationSample] {
-        self.sets.get(id as usize).map_or(&[], Vec::as_slice)
+    pub fn of(&self, id: u32) -> impl ExactSizeIterator<Item = IlluminationSample> {
+        let set = self.sets.get(id as usize).map_or(&[][..], Vec::as_slice);
+        set.iter().map(Packed::sample)
     }
 
     /// Adds samples to node `id`.
     pub fn extend(&mut self, id: u32, samples: Vec<IlluminationSample>) {
+        self.add(id, samples.iter().map(Packed::of).collect());
+    }
+
+    fn add(&mut self, id: u32, samples: Vec<Packed>) {
         if samples.is_empty() {
             return;
         }
@@ -253,6 +259,8 @@ impl SampleSets {
         if set.is_empty() {
             *set = samples;
         } else {
+            // Sets are many and small: room for as much again would be half of all memory.
+            set.reserve_exact(samples.len());
             set.extend(samples);
         }
     }
@@ -260,14 +268,14 @@ impl SampleSets {
     /// Moves all samples of `other` into this one: what is new becomes accumulated (§3.4).
     pub fn absorb(&mut self, other: Self) {
         for (id, samples) in other.sets.into_iter().enumerate() {
-            self.extend(id as u32, samples);
+            self.add(id as u32, samples);
         }
     }
 
     /// Scales the light of all samples.
     pub fn scale(&mut self, factor: Rgb) {
         for sample in self.sets.iter_mut().flatten() {
-            sample.irradiance = sample.irradiance * factor;
+            sample.scale(factor);
         }
     }
 
@@ -283,7 +291,7 @@ impl SampleSets {
     ) {
         let mut ascent = Ascent::new(hierarchy, id, keep_directions, openness);
         loop {
-            field.extend(self.of(ascent.at).iter().map(|sample| ascent.seen(sample)));
+            field.extend(self.of(ascent.at).map(|sample| ascent.seen(&sample)));
             if !ascent.rise() {
                 return;
             }
@@ -294,9 +302,9 @@ impl SampleSets {
     pub fn bytes(&self) -> usize {
         self.sets
             .iter()
-            .map(|s| s.capacity() * size_of::<IlluminationSample>())
+            .map(|s| s.capacity() * size_of::<Packed>())
             .sum::<usize>()
-            + self.sets.capacity() * size_of::<Vec<IlluminationSample>>()
+            + self.sets.capacity() * size_of::<Vec<Packed>>()
     }
 }
 
@@ -309,7 +317,7 @@ impl Arrivals for SampleSets {
 
     fn bytes(&self) -> usize {
         // Asked for after every batch: not counted set by set.
-        self.count * size_of::<IlluminationSample>()
+        self.count * size_of::<Packed>()
     }
 }
 

@@ -35,6 +35,16 @@ impl SenderId {
         }
     }
 
+    /// A part of a node: which child of the child ..., `depth` levels below it.
+    pub(super) fn of(node: NodeId, path: u16, depth: u8) -> Self {
+        Self { node, path, depth }
+    }
+
+    /// What of the node it is, as [`Self::of`] takes it.
+    pub(super) fn below(&self) -> (u16, u8) {
+        (self.path, self.depth)
+    }
+
     /// A number that tells parts of one node from each other.
     pub fn hash(&self) -> u32 {
         u32::from(self.path) << 8 | u32::from(self.depth)

@@ -12,6 +12,7 @@ mod lobes;
 mod merge;
 mod occlusion;
 pub mod openness;
+mod packed_sample;
 mod point_light;
 pub mod propagate;
 pub mod pull;

@@ -5,6 +5,7 @@
 //! Cost: a bound per link visited, rays per link accepted.
 
 use crate::brdf::Lobe;
+use crate::config::Visibility;
 use crate::geometry::Polygon;
 use crate::hierarchy::contact::Reach;
 use crate::hierarchy::detail::Detail;
@@ -55,6 +56,8 @@ pub struct Accuracy {
     pub min_radius: f32,
     /// Rays along each axis of the stratification of an important link; their square is cast.
     pub strata: u32,
+    /// How what stands in between is found.
+    pub visibility: Visibility,
 }
 
 /// Counters of a propagation.

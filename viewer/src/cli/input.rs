@@ -3,7 +3,7 @@
 use super::{note, process, progress, values};
 use anyhow::Context;
 use sheen_formats::{LoadOptions, Loaded};
-use sheen_solver::config::{Basis, Method, Refiner, Scheme};
+use sheen_solver::config::{Basis, Method, Refiner, Scheme, Visibility};
 use sheen_solver::{Camera, Quality, Solution, SolveConfig};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -46,6 +46,15 @@ pub(super) struct SolveArgs {
     /// What distributions are stored on, for comparison: haar (adaptive), uniform
     #[arg(long, default_value = "haar", value_name = "BASIS")]
     basis: Basis,
+    /// How links find what stands between their ends, for comparison: shafts (and what they hold, cut out exactly), rays
+    #[arg(long, default_value = "shafts", value_name = "HOW")]
+    visibility: Visibility,
+    /// Rays along each axis of the stratification of an important link [default: follows from quality]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=16), value_name = "N")]
+    strata: Option<u32>,
+    /// Gather light at vertices, or average what the elements around them show [default: follows from quality]
+    #[arg(long, value_name = "true|false")]
+    gather: Option<bool>,
     /// Repair faults of the scene that can be repaired, and say so, instead of refusing it
     #[arg(long)]
     lenient: bool,
@@ -85,7 +94,9 @@ impl SolveArgs {
             scheme: self.scheme,
             refiner: self.refiner,
             basis: self.basis,
-            gather: None,
+            visibility: self.visibility,
+            strata: self.strata,
+            gather: self.gather,
             transport_epsilon: None,
             least_directional: None,
         }

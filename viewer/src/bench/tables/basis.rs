@@ -1,7 +1,9 @@
-//! Table 2: the adaptive basis against the uniform one.
+//! Table 2 and figure 7: the adaptive basis against the uniform one.
 
 use super::methods::TablesError;
 use super::run::{Case, Run, run};
+use super::sheet::Sheet;
+use super::truth::traced;
 use crate::bench::table::{Table, Value};
 use crate::compare::compare;
 use crate::ways;
@@ -24,6 +26,11 @@ const PAPER: [(u32, [f64; 4]); 2] = [
 /// What the reference is solved with: nothing is coarser.
 const FINEST: (f32, u32) = (0.02, 7);
 
+/// Levels of the pictures side by side.
+const SHOWN: [u32; 2] = [3, 4];
+/// Paths a pixel of pictures that solutions stand beside.
+pub(super) const PATHS: u32 = 256;
+
 struct Row {
     basis: Basis,
     bytes: f64,
@@ -33,7 +40,7 @@ struct Row {
 
 /// Measures the `case`, which is [`GLOSSY_ROOM`]. Errors are those of its picture against a solution on the adaptive basis
 /// at level 7. Cells of both bases are counted as the paper does, as triangles.
-pub fn basis(case: &Case, observer: &mut dyn Observer) -> Result<Table, TablesError> {
+pub fn basis(case: &Case, observer: &mut dyn Observer) -> Result<(Table, Sheet), TablesError> {
     let mut table = Table::new(
         "basis",
         "Table 2: the adaptive basis (Haar) and the uniform one, for solving and display",
@@ -49,6 +56,7 @@ pub fn basis(case: &Case, observer: &mut dyn Observer) -> Result<Table, TablesEr
             "relMSE of highlights",
         ],
     );
+    let mut sheet = Sheet::new("figure7");
     let picture = |run: &Run| ways::cpu::render(&run.solution, &case.view, ways::ACROSS);
     let (epsilon, levels) = FINEST;
     let config = SolveConfig {
@@ -57,7 +65,7 @@ pub fn basis(case: &Case, observer: &mut dyn Observer) -> Result<Table, TablesEr
         ..SolveConfig::default()
     };
     let Some(reference) = run(case, &config, observer)? else {
-        return Ok(table);
+        return Ok((table, sheet));
     };
     let reference: Image = picture(&reference);
     let mut rows = Vec::new();
@@ -71,7 +79,8 @@ pub fn basis(case: &Case, observer: &mut dyn Observer) -> Result<Table, TablesEr
             let Some(run) = run(case, &config, observer)? else {
                 break 'all;
             };
-            let error = compare(&picture(&run), &reference, 1, None)?.relmse;
+            let shown = picture(&run);
+            let error = compare(&shown, &reference, 1, None)?.relmse;
             let stats = &run.solution.stats.solve;
             let paper = PAPER.iter().find(|paper| paper.0 == levels);
             let of_paper = |uniform: usize| {
@@ -91,6 +100,9 @@ pub fn basis(case: &Case, observer: &mut dyn Observer) -> Result<Table, TablesEr
                 of_paper(2),
                 Value::Fixed(error, 6),
             ]);
+            if SHOWN.contains(&levels) {
+                sheet.add(format!("{name}, level {levels}"), shown);
+            }
             rows.push(Row {
                 basis,
                 bytes,
@@ -100,7 +112,9 @@ pub fn basis(case: &Case, observer: &mut dyn Observer) -> Result<Table, TablesEr
         }
     }
     table.notes = equal_errors(&rows);
-    Ok(table)
+    sheet.add("path tracing", traced(case, PATHS, observer));
+    table.notes.push(sheet.caption());
+    Ok((table, sheet))
 }
 
 /// Cells of the distributions that are shown.
