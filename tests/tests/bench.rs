@@ -234,6 +234,33 @@ fn the_reflection_of_a_sum_takes_fewer_basis_functions_and_evaluations() {
 }
 
 #[test]
+fn the_reflection_of_a_lamp_converges_and_is_shown() {
+    let desk = tempfile::tempdir().unwrap();
+    let scenes = own_path("furnace");
+    let scenes = scenes.ancestors().nth(2).unwrap().to_str().unwrap();
+    let tables = ["bench", "tables", "convergence4", "--scenes", scenes];
+    let ran = sheen(desk.path(), &[&tables[..], &["-o", "t"]].concat());
+    assert_eq!(ran.status(), Some(0), "{}", ran.stderr());
+    let folder = desk.path().join("t");
+    let kinds = ["csv", "json", "md"].map(|kind| format!("convergence4.{kind}"));
+    assert_eq!(names(&folder)[..3], kinds);
+    assert_eq!(names(&folder)[3..], ["figure4.png"]);
+    // At least 4, 16 and 64 samples of elements, then the default settings.
+    let rows = rows(&folder, "convergence4");
+    assert_eq!(rows.len(), 4);
+    let figure = |row: usize, column: usize| rows[row][column].as_f64().unwrap();
+    for (row, least) in [4.0, 16.0, 64.0].into_iter().enumerate() {
+        assert!(figure(row, 1) >= least, "{rows:?}");
+        for error in [6, 7] {
+            assert!(figure(row + 1, error) < figure(row, error), "{rows:?}");
+        }
+    }
+    let ran = sheen(desk.path(), &["bench", "tables", "soda"]);
+    assert_eq!(ran.status(), Some(1));
+    assert!(ran.stderr().contains("--soda"), "{}", ran.stderr());
+}
+
+#[test]
 fn scaling_has_a_row_for_each_size() {
     let desk = tempfile::tempdir().unwrap();
     let arguments = [
