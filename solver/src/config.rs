@@ -186,6 +186,8 @@ pub struct Settings {
     pub min_radius: f32,
     /// Stratification of an important link's visibility: its square is cast.
     pub strata: u32,
+    /// The same of links so weak that they need not be looked at closely.
+    pub weak_strata: u32,
     /// ε of the directional refiner (§4.2). Smaller: more cells.
     pub epsilon: f32,
     /// The same in transport, where light is averaged over receivers.
@@ -238,6 +240,7 @@ impl Settings {
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
             strata: step([2, 2, 3, 4]),
+            weak_strata: 2,
             epsilon: knob(0.7, 0.05),
             transport_epsilon: knob(1.5, 0.1),
             cluster_epsilon: knob(1.5, 0.2),

@@ -53,8 +53,8 @@ pub struct SolveConfig {
     pub basis: Basis,
     /// How links find what stands between their ends. Others than the default exist for comparison.
     pub visibility: Visibility,
-    /// Rays along each axis of the stratification of an important link, 1..=16; their square is cast. `None`: follows
-    /// from quality.
+    /// Rays along each axis of the stratification of a link between nodes, however weak, and of a strong one to a vertex,
+    /// 1..=16; their square is cast. `None`: follows from quality.
     pub strata: Option<u32>,
     /// Gather at vertices, instead of averaging what the elements around them show (§5.2). `None`: follows from quality.
     pub gather: Option<bool>,
@@ -158,7 +158,8 @@ impl SolveConfig {
                 f64::from(strata),
                 "within 1..16",
             )?;
-            (settings.strata, settings.vertex_strata) = (strata, strata);
+            (settings.strata, settings.weak_strata) = (strata, strata);
+            settings.vertex_strata = strata;
         }
         settings.gather = self.gather.unwrap_or(settings.gather);
         (settings.method, settings.scheme) = (self.method, self.scheme);

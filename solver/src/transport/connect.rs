@@ -170,7 +170,11 @@ impl Propagation<'_> {
             receiver: link.receiver,
             sender: link.sender,
         };
-        let strata = if strong { self.accuracy.strata } else { 2 };
+        let strata = if strong {
+            self.accuracy.strata
+        } else {
+            self.accuracy.weak_strata
+        };
         let seen = rays.strata(strata, stats);
         if seen.is_mixed() && link.bounds.high > MIXED_RAYS * link.limit && self.is_refinable(link)
         {

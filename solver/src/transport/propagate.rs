@@ -56,6 +56,8 @@ pub struct Accuracy {
     pub min_radius: f32,
     /// Rays along each axis of the stratification of an important link; their square is cast.
     pub strata: u32,
+    /// The same of a weak one.
+    pub weak_strata: u32,
     /// How what stands in between is found.
     pub visibility: Visibility,
 }

@@ -49,7 +49,7 @@ pub(super) struct SolveArgs {
     /// How links find what stands between their ends, for comparison: shafts (and what they hold, cut out exactly), rays
     #[arg(long, default_value = "shafts", value_name = "HOW")]
     visibility: Visibility,
-    /// Rays along each axis of the stratification of an important link [default: follows from quality]
+    /// Rays along each axis of the stratification of a link, however weak [default: follows from quality]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=16), value_name = "N")]
     strata: Option<u32>,
     /// Gather light at vertices, or average what the elements around them show [default: follows from quality]
