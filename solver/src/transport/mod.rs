@@ -25,3 +25,5 @@ mod sent;
 pub mod shaft;
 mod stray;
 pub mod visibility;
+#[cfg(target_arch = "x86_64")]
+mod wide;

@@ -1,12 +1,15 @@
 //! Visibility between two points: rays on a bounding volume hierarchy, tinted by clear glass.
 
 use crate::radiometry::Rgb;
+#[cfg(target_arch = "x86_64")]
+use crate::transport::wide::Wide;
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Patch number of a triangle that belongs to no patch (glass).
@@ -25,11 +28,16 @@ const SCALE_EXPONENT: u8 = 13;
 const LEAST_GAP: f32 = 2.0 * f32::EPSILON;
 
 #[derive(Clone, Copy, Debug)]
-struct Face {
-    corner: Vec3A,
-    edge1: Vec3A,
-    edge2: Vec3A,
+pub(super) struct Face {
+    pub(super) corner: Vec3A,
+    pub(super) edge1: Vec3A,
+    pub(super) edge2: Vec3A,
     normal: Vec3A,
+}
+
+/// What a face is of: rays ask for this far more often than for its shape.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
     patch: u32,
     /// Index into the tints, or [`NO_PATCH`] for opaque.
     tint: u32,
@@ -87,12 +95,58 @@ fn ray(from: Vec3, direction: Vec3, span: [f32; 2]) -> Ray {
     )
 }
 
+/// A question for what stands on a part of a ray, for those who want to time it.
+#[derive(Clone, Copy)]
+pub struct Query {
+    ray: Ray,
+    ends: [u32; 2],
+    end: Option<(f32, u32)>,
+}
+
+impl Query {
+    /// What stands between two points, nearer to neither than a `gap` share of the way.
+    pub fn between(from: Vec3, to: Vec3, gap: f32) -> Self {
+        let (direction, length) = (to - from).normalize_and_length();
+        Self {
+            ray: ray(from, direction, [gap * length, (1.0 - gap) * length]),
+            ends: [NO_PATCH; 2],
+            end: None,
+        }
+    }
+
+    /// Where the part begins, and the way to its end, normalised.
+    pub fn part(&self) -> (Vec3, Vec3) {
+        let Ray {
+            origin,
+            direction,
+            tmin,
+            tmax,
+            ..
+        } = self.ray;
+        let [start, way] =
+            [origin + direction * tmin, direction * (tmax - tmin)].map(|v| Vec3::from(v) / SCALE);
+        (start, way)
+    }
+}
+
+/// The first questions that are asked.
+struct Record {
+    queries: Mutex<Vec<Query>>,
+    most: usize,
+}
+
 /// All surfaces of a scene as occluders.
 pub struct Occluders {
     bvh: CwBvh,
     /// In the order of the hierarchy's leaves.
     faces: Vec<Face>,
+    /// Of each face.
+    surfaces: Vec<Surface>,
     tints: Vec<Rgb>,
+    /// The faces once more, where the machine can test several at a time.
+    #[cfg(target_arch = "x86_64")]
+    wide: Option<Wide>,
+    record: Option<Record>,
 }
 
 /// One triangle for [`Occluders::new`].
@@ -131,7 +185,7 @@ impl Occluders {
         let mut bvh = build_cwbvh(&boxes, params, &mut Duration::default());
         enlarge(&mut bvh);
         let mut tints: Vec<Rgb> = Vec::new();
-        let faces = bvh
+        let (faces, surfaces): (Vec<Face>, Vec<Surface>) = bvh
             .primitive_indices
             .iter()
             .map(|&index| {
@@ -147,17 +201,47 @@ impl Occluders {
                         tints.len() - 1
                     }) as u32
                 };
-                Face {
+                let face = Face {
                     corner: a,
                     edge1,
                     edge2,
                     normal: edge1.cross(edge2),
-                    patch: triangle.patch,
-                    tint,
-                }
+                };
+                let patch = triangle.patch;
+                (face, Surface { patch, tint })
             })
-            .collect();
-        Self { bvh, faces, tints }
+            .unzip();
+        Self {
+            #[cfg(target_arch = "x86_64")]
+            wide: Wide::new(&bvh, &faces),
+            bvh,
+            faces,
+            surfaces,
+            tints,
+            record: None,
+        }
+    }
+
+    /// From now on keeps the first `most` questions that are asked for transmittance.
+    pub fn record(&mut self, most: usize) {
+        self.record = Some(Record {
+            queries: Mutex::default(),
+            most,
+        });
+    }
+
+    /// What was kept, and no more is.
+    pub fn recorded(&mut self) -> Vec<Query> {
+        let record = self.record.take();
+        let queries = |record: Record| record.queries.into_inner();
+        record.map_or_else(Vec::new, |record| {
+            queries(record).unwrap_or_else(PoisonError::into_inner)
+        })
+    }
+
+    /// Asks once more; true when nothing opaque stands there.
+    pub fn passes(&self, query: &Query) -> bool {
+        self.along(query.ray, query.ends, query.end).1 == NO_PATCH
     }
 
     /// What part of the light from `from` reaches `to`, per channel. Surfaces of the two `ends` patches do not block:
@@ -202,59 +286,101 @@ impl Occluders {
 
     fn hit_beyond(&self, gap: f32, from: Vec3, direction: Vec3, origin: u32) -> Option<Hit> {
         let ray = ray(from, direction, [gap, f32::INFINITY]);
-        let mut hit = RayHit::none();
-        let found = self.bvh.ray_traverse(ray, &mut hit, |ray, id| {
-            let face = &self.faces[id];
-            if face.tint != NO_PATCH || face.patch == origin {
+        let (distance, face) = self.nearest(&ray, |t, surface| {
+            if surface.tint != NO_PATCH || surface.patch == origin {
                 f32::INFINITY
             } else {
-                face.intersect(ray)
+                t
+            }
+        })?;
+        let (face, surface) = (&self.faces[face], self.surfaces[face]);
+        // `edge1` runs from the second to the first corner: the stored normal is minus the front normal.
+        Some(Hit {
+            patch: surface.patch,
+            back: face.normal.dot(direction.into()) < 0.0,
+            distance: distance / SCALE,
+        })
+    }
+
+    /// Distance and number of the nearest face for which `meet` returns its distance and not infinity.
+    fn nearest(
+        &self,
+        ray: &Ray,
+        mut meet: impl FnMut(f32, Surface) -> f32,
+    ) -> Option<(f32, usize)> {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(wide) = &self.wide {
+            return wide.nearest(&self.bvh, ray, |t, face| meet(t, self.surfaces[face]));
+        }
+        let mut hit = RayHit::none();
+        let found = self.bvh.ray_traverse(*ray, &mut hit, |ray, face| {
+            let t = self.faces[face].intersect(ray);
+            if t < f32::INFINITY {
+                meet(t, self.surfaces[face])
+            } else {
+                t
             }
         });
-        found.then(|| {
-            let face = &self.faces[hit.primitive_id as usize];
-            // `edge1` runs from the second to the first corner: the stored normal is minus the front normal.
-            Hit {
-                patch: face.patch,
-                back: face.normal.dot(direction.into()) < 0.0,
-                distance: hit.t / SCALE,
+        found.then_some((hit.t, hit.primitive_id as usize))
+    }
+
+    /// Calls `meet` with the faces that the ray meets until it returns less than the ray's end. True when it did.
+    fn meets(&self, ray: &Ray, mut meet: impl FnMut(f32, Surface) -> f32) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(wide) = &self.wide {
+            return wide.meets(&self.bvh, ray, |t, face| meet(t, self.surfaces[face]));
+        }
+        !self.bvh.ray_traverse_miss(*ray, |ray, face| {
+            let t = self.faces[face].intersect(ray);
+            if t < f32::INFINITY {
+                meet(t, self.surfaces[face])
+            } else {
+                t
             }
         })
     }
 
     /// `end`: from this distance on, patches after this one do not block.
     fn along(&self, ray: Ray, ends: [u32; 2], end: Option<(f32, u32)>) -> (Rgb, u32) {
+        if let Some(Record { queries, most }) = &self.record {
+            let mut queries = queries.lock().unwrap_or_else(PoisonError::into_inner);
+            if queries.len() < *most {
+                queries.push(Query { ray, ends, end });
+            }
+        }
         let mut passed = Rgb::WHITE;
         let mut blocker = NO_PATCH;
-        let missed = self.bvh.ray_traverse_miss(ray, |ray, id| {
-            let face = &self.faces[id];
-            if face.patch != NO_PATCH && (face.patch == ends[0] || face.patch == ends[1]) {
+        let is_blocked = self.meets(&ray, |t, surface| {
+            if surface.patch != NO_PATCH && (surface.patch == ends[0] || surface.patch == ends[1]) {
                 return f32::INFINITY;
             }
-            let t = face.intersect(ray);
-            if end.is_some_and(|(near, first)| t > near * SCALE && face.patch > first) {
+            if end.is_some_and(|(near, first)| t > near * SCALE && surface.patch > first) {
                 return f32::INFINITY;
             }
-            if face.tint != NO_PATCH && t < f32::INFINITY {
+            if surface.tint != NO_PATCH {
                 // Glass tints and lets the search go on.
-                passed = passed * self.tints[face.tint as usize];
+                passed = passed * self.tints[surface.tint as usize];
                 return f32::INFINITY;
             }
-            if t < f32::INFINITY {
-                blocker = face.patch;
-            }
+            blocker = surface.patch;
             t
         });
-        if missed {
-            (passed, NO_PATCH)
-        } else {
+        if is_blocked {
             (Rgb::BLACK, blocker)
+        } else {
+            (passed, NO_PATCH)
         }
     }
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        self.faces.len() * size_of::<Face>() + self.bvh.nodes.len() * 80
+        #[cfg(target_arch = "x86_64")]
+        let wide = self.wide.as_ref().map_or(0, Wide::bytes);
+        #[cfg(not(target_arch = "x86_64"))]
+        let wide = 0;
+        self.faces.len() * (size_of::<Face>() + size_of::<Surface>())
+            + self.bvh.nodes.len() * 80
+            + wide
     }
 }
 
@@ -303,6 +429,55 @@ mod tests {
             occluders.transmittance(from, beyond, [7, NO_PATCH]),
             tint * tint
         );
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn many_lanes_find_what_one_finds() {
+        let unit = |i: u32, salt: u32| crate::geometry::hash::unit(i, salt);
+        let point = |i: u32, salt: u32| Vec3::from([0, 1, 2].map(|axis| unit(i, salt + axis)));
+        let triangles = |count: u32| {
+            let triangle = move |i: u32| {
+                let corner = point(i, 0);
+                // Of all sizes, some in the plane of an axis.
+                let edge = |salt: u32| {
+                    let mut edge = (point(i, salt) - 0.5) * unit(i, 9).powi(4);
+                    if i % 3 == 0 {
+                        edge.x = 0.0;
+                    }
+                    edge
+                };
+                Occluder {
+                    corners: [corner, corner + edge(3), corner + edge(6)],
+                    patch: if i % 5 == 0 { NO_PATCH } else { i / 2 },
+                    transmission: Rgb::splat(if i % 5 == 0 { 0.5 } else { 0.0 }),
+                }
+            };
+            (0..count).map(triangle).collect::<Vec<_>>()
+        };
+        for count in [1, 7, 9, 100, 1000] {
+            let wide = Occluders::new(&triangles(count));
+            let mut plain = Occluders::new(&triangles(count));
+            plain.wide = None;
+            let mut blocked = 0;
+            for ray in 0..20_000 {
+                let (from, mut to) = (point(ray, 20), point(ray, 30));
+                if ray % 4 == 0 {
+                    to[ray as usize % 3] = from[ray as usize % 3];
+                }
+                let ends = [ray % count / 2, NO_PATCH];
+                let (one, other) = (wide.passage(from, to, ends), plain.passage(from, to, ends));
+                assert_eq!(one, other, "{count} triangles, from {from} to {to}");
+                blocked += u32::from(one.1 != NO_PATCH);
+                let direction = (to - from).normalize();
+                let hits = [&wide, &plain].map(|all| all.first_hit(from, direction, ends[0]));
+                assert_eq!(hits[0], hits[1], "{count} triangles, from {from} to {to}");
+            }
+            assert!(
+                count < 100 || (2_000..18_000).contains(&blocked),
+                "{blocked}"
+            );
+        }
     }
 
     #[test]

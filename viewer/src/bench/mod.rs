@@ -3,6 +3,7 @@
 pub mod convergence;
 pub mod fit;
 pub mod plot;
+pub mod rays;
 pub mod scaling;
 pub mod table;
 pub mod tables;

@@ -1,6 +1,7 @@
 //! `sheen bench`: tables of time, memory and error.
 
 mod convergence;
+mod rays;
 mod scaling;
 mod tables;
 
@@ -21,6 +22,8 @@ enum What {
     Convergence(convergence::Args),
     /// The tables of Stamminger et al. 2000, theirs beside ours.
     Tables(tables::Args),
+    /// Visibility rays a second, on one thread.
+    Rays(rays::Args),
     /// Time and memory of one room with more and finer things in it.
     Scaling(scaling::Args),
 }
@@ -29,6 +32,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     match &args.what {
         What::Convergence(args) => convergence::run(args),
         What::Tables(args) => tables::run(args),
+        What::Rays(args) => rays::run(args),
         What::Scaling(args) => scaling::run(args),
     }
 }
