@@ -107,7 +107,12 @@ impl<'a> Light<'a> {
             0.0
         };
         let dark = settings.dark_share * typical_irradiance;
-        let pockets = pockets(prepared, hierarchy, &transported.irradiance, dark);
+        // Averages show what transport found everywhere.
+        let pockets = if settings.gather {
+            pockets(prepared, hierarchy, &transported.irradiance, dark)
+        } else {
+            vec![[false; 2]; prepared.patches.len()]
+        };
         Self {
             prepared,
             settings,

@@ -23,15 +23,36 @@ impl Exposed {
         (0..Self::CELLS).map(place)
     }
 
-    /// The cells that are exposed in a place; all of them when every other is.
+    /// The cells that are exposed in a place. Every other one is asked; the rest where those beside it differ.
     pub fn of(is_exposed: impl Fn(Vec2) -> bool) -> Self {
-        let is_other = |cell: &u32| (gather_bits(*cell) + gather_bits(cell >> 1)).is_multiple_of(2);
-        let mut others = (0..Self::CELLS).filter(is_other);
-        if others.all(|cell| is_exposed(place(cell))) {
-            return Self::ALL;
-        }
-        let cells = (0..).zip(Self::places());
-        Self(cells.fold(0, |sum, (cell, at)| sum | u64::from(is_exposed(at)) << cell))
+        let coordinates = |cell: u32| (gather_bits(cell), gather_bits(cell >> 1));
+        let is_asked = |cell: &u32| {
+            let (x, y) = coordinates(*cell);
+            (x + y).is_multiple_of(2)
+        };
+        let bit = |cell: u32| 1u64 << cell;
+        let asked = (0..Self::CELLS).filter(is_asked);
+        let lit = asked.filter(|&cell| is_exposed(place(cell)));
+        let lit = Self(lit.fold(0, |sum, cell| sum | bit(cell)));
+        let is_rest_lit = |cell: &u32| {
+            let (x, y) = coordinates(*cell);
+            let steps = [
+                (x + 1, y),
+                (x.wrapping_sub(1), y),
+                (x, y + 1),
+                (x, y.wrapping_sub(1)),
+            ];
+            let beside = steps.into_iter().filter(|&(x, y)| x < SIDE && y < SIDE);
+            let (count, lit_count) = beside.fold((0, 0), |(count, lit_count), (x, y)| {
+                (count + 1, lit_count + u32::from(lit.holds(cell_of(x, y))))
+            });
+            lit_count == count || lit_count > 0 && is_exposed(place(*cell))
+        };
+        let rest = (0..Self::CELLS).filter(|cell| !is_asked(cell));
+        Self(
+            rest.filter(is_rest_lit)
+                .fold(lit.0, |sum, cell| sum | bit(cell)),
+        )
     }
 
     /// Share of the area; half a cell where none is seen, as none is known to be hidden all over.

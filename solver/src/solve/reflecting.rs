@@ -9,7 +9,7 @@ use crate::hierarchy::NodeId;
 use crate::radiometry::Rgb;
 use crate::transport::clustering::Surfaces;
 use crate::transport::exitant::Exitant;
-use crate::transport::illumination::IlluminationSample;
+use crate::transport::illumination::{IlluminationSample, Unpacked};
 use crate::transport::reflect::{ReflectConfig, Reflected, reflect, reflect_each};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -27,6 +27,7 @@ pub(super) struct Ledger {
 struct Scratch {
     projector: Projector,
     sum: Sum,
+    unpacked: Unpacked,
     field: Vec<IlluminationSample>,
 }
 
@@ -63,15 +64,21 @@ impl Iteration<'_> {
         emission: bool,
     ) -> (Exitant, Vec<Rgb>, Ledger) {
         let hierarchy = &self.hierarchy;
-        let leaves: Vec<NodeId> = hierarchy
+        let mut leaves: Vec<NodeId> = hierarchy
             .elements
             .iter()
             .map(|e| e.node)
             .filter(|&id| hierarchy.is_leaf(id))
             .collect();
+        // Leaves below the same clusters follow each other.
+        leaves.sort_unstable_by_key(|&id| {
+            let patch = hierarchy.element_of(id).map(|e| (e.patch, e.back));
+            let whole = patch.map_or(id, |(patch, back)| hierarchy.whole(patch, back));
+            (hierarchy.node(whole).parent, whole, id)
+        });
         let reflected: Vec<Reflected> = leaves
             .par_iter()
-            .with_max_len(64)
+            .with_max_len(256)
             .map_init(Scratch::default, |scratch, &id| {
                 self.at_leaf(id, arrived, config, emission, scratch)
             })
@@ -123,6 +130,7 @@ impl Iteration<'_> {
         let Scratch {
             projector,
             sum,
+            unpacked,
             field,
         } = scratch;
         surface.compensating = emission.compensating;
@@ -131,7 +139,7 @@ impl Iteration<'_> {
                 field.clear();
                 // Moved directions leave gaps in the lobes that links were refined for.
                 let glossy = surface.lobe.is_some();
-                samples.field(hierarchy, id, glossy, &self.openness, field);
+                samples.field(hierarchy, id, glossy, &self.openness, unpacked, field);
                 // What light cannot reach has its share of what larger parts received; it is next to nothing.
                 let is_dark = field.is_empty() || element.exposed.is_none();
                 if is_dark && emission == Emission::default() {

@@ -8,6 +8,7 @@ use crate::transport::openness::Openness;
 use crate::transport::packed_sample::Packed;
 use crate::transport::propagate::Arrivals;
 use glam::Vec3;
+use rustc_hash::FxHashMap;
 use std::f32::consts::PI;
 
 /// Light from one direction. The cosine at the receiver is not in it: the same sample means the same on a cluster,
@@ -216,14 +217,52 @@ impl<'a> Ascent<'a> {
                 self.keep_directions,
             ),
             None if is_cluster => {
-                let (root, at) = (self.root, self.at);
-                let share = self
-                    .openness
-                    .of_part(root, at, self.levels, sample.direction);
-                sample.above_horizon(self.normal).scaled(share)
+                let per_share = self.openness.per_share(self.at, sample.direction);
+                self.shared_out(sample, per_share)
             }
             None => *sample,
         }
+    }
+
+    /// A sample without parallax of the cluster that it has come to, as seen from the leaf.
+    fn shared_out(&self, sample: &IlluminationSample, per_share: f32) -> IlluminationSample {
+        let share = self.openness.share(self.root, self.levels);
+        sample.above_horizon(self.normal).scaled(share * per_share)
+    }
+}
+
+/// Samples of clusters as the leaves below them ask for them, leaf after leaf.
+#[derive(Default)]
+pub struct Unpacked {
+    of_cluster: FxHashMap<NodeId, Vec<FromCluster>>,
+    count: usize,
+}
+
+struct FromCluster {
+    sample: IlluminationSample,
+    /// [`Openness::per_share`] of its direction.
+    per_share: f32,
+}
+
+impl Unpacked {
+    /// Samples that are kept at once.
+    const MOST: usize = 1 << 13;
+
+    fn of_cluster(&mut self, id: NodeId, sets: &SampleSets, openness: &Openness) -> &[FromCluster] {
+        if self.count > Self::MOST {
+            self.of_cluster.clear();
+            self.count = 0;
+        }
+        let count = &mut self.count;
+        self.of_cluster.entry(id).or_insert_with(|| {
+            let unpacked = |sample: IlluminationSample| FromCluster {
+                per_share: openness.per_share(id, sample.direction),
+                sample,
+            };
+            let samples: Vec<FromCluster> = sets.of(id).map(unpacked).collect();
+            *count += samples.len();
+            samples
+        })
     }
 }
 
@@ -280,18 +319,33 @@ impl SampleSets {
     }
 
     /// "Push": appends the samples of the leaf `id` and its ancestors to `field`, each as seen from its middle. With
-    /// `keep_directions` they change their strength only. What clusters received is shared out by `openness`.
+    /// `keep_directions` they change their strength only. What clusters received is shared out by `openness`; `unpacked`
+    /// is that of these sets, and helps when leaves below the same clusters follow each other.
     pub fn field(
         &self,
         hierarchy: &Hierarchy,
         id: NodeId,
         keep_directions: bool,
         openness: &Openness,
+        unpacked: &mut Unpacked,
         field: &mut Vec<IlluminationSample>,
     ) {
         let mut ascent = Ascent::new(hierarchy, id, keep_directions, openness);
         loop {
-            field.extend(self.of(ascent.at).map(|sample| ascent.seen(&sample)));
+            let at = ascent.at;
+            if hierarchy.element_of(at).is_some() {
+                field.extend(self.of(at).map(|sample| ascent.seen(&sample)));
+            } else if self
+                .sets
+                .get(at as usize)
+                .is_some_and(|set| !set.is_empty())
+            {
+                let samples = unpacked.of_cluster(at, self, openness).iter();
+                field.extend(samples.map(|from| match from.sample.parallax {
+                    None => ascent.shared_out(&from.sample, from.per_share),
+                    Some(_) => ascent.seen(&from.sample),
+                }));
+            }
             if !ascent.rise() {
                 return;
             }

@@ -71,21 +71,21 @@ impl Openness {
         openness
     }
 
-    /// What the patch `element` gets of light from `direction` over the mean of the cluster `levels` above its parent.
-    pub fn of_part(&self, element: NodeId, cluster: NodeId, levels: usize, direction: Vec3) -> f32 {
-        let share = self.shares[self.first[element as usize] as usize + levels];
+    /// Share of the rays of the whole patch `element` that leave the cluster `levels` above its parent.
+    pub fn share(&self, element: NodeId, levels: usize) -> f32 {
+        self.shares[self.first[element as usize] as usize + levels]
+    }
+
+    /// What a patch of a `cluster` gets of light from `direction` over the mean of the cluster, for each unit of its share.
+    pub fn per_share(&self, cluster: NodeId, direction: Vec3) -> f32 {
+        let means = &self.means[self.first[cluster as usize] as usize];
         let (mut sum, mut area) = (0.0, 0.0);
         for (axis, cosine) in half_axes(direction) {
-            let number = self.first[cluster as usize];
-            let mean = &self.means[number as usize][axis];
-            sum += cosine * mean.sum;
-            area += cosine * mean.area;
+            sum += cosine * means[axis].sum;
+            area += cosine * means[axis].area;
         }
-        if sum > 0.0 {
-            (f64::from(share) * area / sum) as f32
-        } else {
-            1.0
-        }
+        // Shares are never zero.
+        if sum > 0.0 { (area / sum) as f32 } else { 0.0 }
     }
 
     /// Bytes that it takes.
