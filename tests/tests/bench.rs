@@ -280,3 +280,43 @@ fn scaling_has_a_row_for_each_size() {
     assert_eq!(rows.len(), 2);
     assert!(rows[1][0].as_u64() > rows[0][0].as_u64());
 }
+
+#[test]
+fn rays_are_counted_and_written() {
+    let desk = tempfile::tempdir().unwrap();
+    let scene = own_path("cornell_box");
+    let scene = scene.to_str().unwrap();
+    let arguments = [
+        "bench",
+        "rays",
+        scene,
+        "--rays",
+        "5000",
+        "--quality",
+        "draft",
+        "-o",
+        "rays",
+    ];
+    let ran = sheen(desk.path(), &arguments);
+    assert_eq!(ran.status(), Some(0), "{}", ran.stderr());
+    let folder = desk.path().join("rays");
+    let expected = [
+        "random.npy",
+        "rays.csv",
+        "rays.json",
+        "rays.md",
+        "solve.npy",
+    ];
+    assert_eq!(names(&folder), expected);
+    for row in rows(&folder, "rays") {
+        let (name, count) = (row[0].as_str().unwrap(), row[1].as_u64().unwrap());
+        assert!((1..=5000).contains(&count), "{name}: {count}");
+        // Two boxes in an empty room: some rays are blocked, most are not.
+        let blocked = row[2].as_f64().unwrap();
+        assert!(blocked > 0.0 && blocked < 60.0, "{name}: {blocked} %");
+        assert!(row[3].as_f64().unwrap() > 0.0, "{name}");
+        // 24 bytes a ray after a header of a multiple of 64 bytes.
+        let bytes = std::fs::metadata(folder.join(format!("{name}.npy"))).unwrap();
+        assert_eq!((bytes.len() - 24 * count) % 64, 0, "{name}");
+    }
+}

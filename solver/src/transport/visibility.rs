@@ -442,15 +442,15 @@ mod tests {
                 // Of all sizes, some in the plane of an axis.
                 let edge = |salt: u32| {
                     let mut edge = (point(i, salt) - 0.5) * unit(i, 9).powi(4);
-                    if i % 3 == 0 {
+                    if i.is_multiple_of(3) {
                         edge.x = 0.0;
                     }
                     edge
                 };
                 Occluder {
                     corners: [corner, corner + edge(3), corner + edge(6)],
-                    patch: if i % 5 == 0 { NO_PATCH } else { i / 2 },
-                    transmission: Rgb::splat(if i % 5 == 0 { 0.5 } else { 0.0 }),
+                    patch: if i.is_multiple_of(5) { NO_PATCH } else { i / 2 },
+                    transmission: Rgb::splat(if i.is_multiple_of(5) { 0.5 } else { 0.0 }),
                 }
             };
             (0..count).map(triangle).collect::<Vec<_>>()
@@ -462,7 +462,7 @@ mod tests {
             let mut blocked = 0;
             for ray in 0..20_000 {
                 let (from, mut to) = (point(ray, 20), point(ray, 30));
-                if ray % 4 == 0 {
+                if ray.is_multiple_of(4) {
                     to[ray as usize % 3] = from[ray as usize % 3];
                 }
                 let ends = [ray % count / 2, NO_PATCH];
