@@ -222,7 +222,7 @@ impl Occluders {
         }
     }
 
-    /// From now on keeps the first `most` questions that are asked for transmittance.
+    /// From now on keeps the first `most` questions that are asked for transmittance between two points.
     pub fn record(&mut self, most: usize) {
         self.record = Some(Record {
             queries: Mutex::default(),
@@ -344,7 +344,7 @@ impl Occluders {
     fn along(&self, ray: Ray, ends: [u32; 2], end: Option<(f32, u32)>) -> (Rgb, u32) {
         if let Some(Record { queries, most }) = &self.record {
             let mut queries = queries.lock().unwrap_or_else(PoisonError::into_inner);
-            if queries.len() < *most {
+            if queries.len() < *most && ray.tmax < f32::INFINITY {
                 queries.push(Query { ray, ends, end });
             }
         }
