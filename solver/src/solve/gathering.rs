@@ -55,9 +55,9 @@ pub(super) fn gather(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result
             .collect();
         let ratio = (change / last_change).clamp(0.0, SLOWEST);
         drift.add(&new_light);
-        let brightest = drift.brightest(&new_light, 1.0);
+        let glow = drift.glow(&new_light, 1.0);
         let follows = ratio / (1.0 - ratio);
-        open = brightest.max(change.abs() / emitted) * follows;
+        open = glow.max(change.abs() / emitted) * follows;
         solve.unshot_w = change.max(0.0) * follows;
         // The second iteration is the first whose losses are corrected.
         if watch.is_stopped() || (open <= goal && iteration > 0) {

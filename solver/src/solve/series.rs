@@ -132,19 +132,21 @@ impl Drift {
         }
     }
 
-    /// Exitance of the patch that is brightest in `light` (power of nodes, times `factor`), as a share of the typical exitance of
-    /// all light so far: the square of the mean root. In the open little light of all is left after one reflection, but
-    /// it is all that shadows have.
-    pub(super) fn brightest(&self, light: &[f32], factor: f64) -> f64 {
-        let (mut roots, mut area, mut brightest) = (0.0, 0.0, 0.0f64);
+    /// Exitance of patches in `light` (power of nodes, times `factor`), the root of the weighted mean square, as a share of the
+    /// typical exitance of all light so far: the square of the mean root. In the open little light of all is left after
+    /// one reflection, but it is all that shadows have. Not that of the brightest patch: the inside of a lamp is small and
+    /// lights itself.
+    pub(super) fn glow(&self, light: &[f32], factor: f64) -> f64 {
+        let (mut roots, mut area, mut squares, mut weight) = (0.0, 0.0, 0.0, 0.0);
         for patch in self.patches.iter().filter(|patch| patch.area > 0.0) {
             roots += (patch.sent * patch.area).sqrt();
             area += patch.area;
             let power = f64::from(light[patch.node as usize]);
-            brightest = brightest.max(factor * power / patch.area);
+            squares += patch.weight * (factor * power / patch.area).powi(2);
+            weight += patch.weight;
         }
-        if roots > 0.0 {
-            brightest / (roots / area).powi(2)
+        if roots > 0.0 && weight > 0.0 {
+            (squares / weight).sqrt() / (roots / area).powi(2)
         } else {
             0.0
         }

@@ -52,8 +52,8 @@ pub(super) fn shoot(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result<
         };
         let ratio = mean(left) / mean(shot);
         let wrong = drift.error(&state.sent.power, mean(factor), ratio);
-        let brightest = drift.brightest(&state.sent.power, mean(factor));
-        open = wrong.min(brightest.max(mean(left) / emitted));
+        let glow = drift.glow(&state.sent.power, mean(factor));
+        open = wrong.min(glow.max(mean(left) / emitted));
         let is_last = stopped || open <= goal;
 
         // The last iteration stands for all that would follow.
