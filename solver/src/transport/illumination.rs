@@ -225,9 +225,14 @@ impl<'a> Ascent<'a> {
     }
 
     /// A sample without parallax of the cluster that it has come to, as seen from the leaf.
-    fn shared_out(&self, sample: &IlluminationSample, per_share: f32) -> IlluminationSample {
-        let share = self.openness.share(self.root, self.levels);
-        sample.above_horizon(self.normal).scaled(share * per_share)
+    fn shared_out(
+        &self,
+        sample: &IlluminationSample,
+        per_share: Option<f32>,
+    ) -> IlluminationSample {
+        let share = || self.openness.share(self.root, self.levels);
+        let factor = per_share.map_or(1.0, |per_share| share() * per_share);
+        sample.above_horizon(self.normal).scaled(factor)
     }
 }
 
@@ -241,7 +246,7 @@ pub struct Unpacked {
 struct FromCluster {
     sample: IlluminationSample,
     /// [`Openness::per_share`] of its direction.
-    per_share: f32,
+    per_share: Option<f32>,
 }
 
 impl Unpacked {

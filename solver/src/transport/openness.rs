@@ -77,15 +77,15 @@ impl Openness {
     }
 
     /// What a patch of a `cluster` gets of light from `direction` over the mean of the cluster, for each unit of its share.
-    pub fn per_share(&self, cluster: NodeId, direction: Vec3) -> f32 {
+    /// `None` where nothing in the cluster faces that way: a patch may still see the rim of a wide sender there.
+    pub fn per_share(&self, cluster: NodeId, direction: Vec3) -> Option<f32> {
         let means = &self.means[self.first[cluster as usize] as usize];
         let (mut sum, mut area) = (0.0, 0.0);
         for (axis, cosine) in half_axes(direction) {
             sum += cosine * means[axis].sum;
             area += cosine * means[axis].area;
         }
-        // Shares are never zero.
-        if sum > 0.0 { (area / sum) as f32 } else { 0.0 }
+        (sum > 0.0).then(|| (area / sum) as f32)
     }
 
     /// Bytes that it takes.

@@ -459,6 +459,7 @@ mod tests {
             let wide = Occluders::new(&triangles(count));
             let mut plain = Occluders::new(&triangles(count));
             plain.wide = None;
+            assert_eq!(wide.wide.is_some(), is_x86_feature_detected!("avx2"));
             let mut blocked = 0;
             for ray in 0..20_000 {
                 let (from, mut to) = (point(ray, 20), point(ray, 30));
