@@ -1,8 +1,9 @@
 //! Rays on the hierarchy of `obvhs`, eight boxes and eight triangles at a time (AVX2).
 //!
-//! The same tests in the same order with the same rounding as [`obvhs::cwbvh::CwBvh`] and `Face::intersect` make, which
-//! are its plain twin: what is found does not depend on the machine. Source: Ylitie, Karras, Laine 2017, "Efficient
-//! incoherent ray traversal on GPUs through compressed wide BVHs", for the nodes.
+//! The same triangles in the same order as [`obvhs::cwbvh::CwBvh`] and `Face::intersect` test, which are the plain twin:
+//! what is found does not depend on the machine. Source: Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal
+//! on GPUs through compressed wide BVHs", for the order. Boxes are as tight as the tree's, but not compressed: a processor
+//! has room for them, and no time to unpack them.
 
 use super::visibility::Face;
 use glam::Vec3A;
@@ -13,16 +14,51 @@ use std::arch::x86_64::*;
 
 /// Boxes and triangles that are tested at once.
 const LANES: usize = 8;
+/// All of them.
+const ALL: u32 = 0xff;
 /// The tree does not look for what is nearer.
 const NEAREST: f32 = 1e-4;
 /// Nodes that wait, at most: one a level.
 const DEEPEST: usize = 32;
-/// Of what a node was found to have hit: children that are nodes; triangles.
-const NODES: u32 = 0xff00_0000;
-const TRIANGLES: u32 = 0x00ff_ffff;
 
 /// Vectors, one a lane.
 type Vectors = [__m256; 3];
+
+/// Children in the order that a ray meets them in, last first: bit i ^ octant of a mask comes to i.
+const IN_ORDER: [[u8; 256]; 8] = in_order();
+
+const fn in_order() -> [[u8; 256]; 8] {
+    let mut table = [[0u8; 256]; 8];
+    let mut octant = 0;
+    while octant < 8 {
+        let mut mask = 0;
+        while mask < 256 {
+            let mut i = 0;
+            while i < 8 {
+                table[octant][mask] |= ((mask >> (i ^ octant) & 1) << i) as u8;
+                i += 1;
+            }
+            mask += 1;
+        }
+        octant += 1;
+    }
+    table
+}
+
+/// A node of the tree.
+#[derive(Clone, Copy)]
+struct Node {
+    /// Low and high ends of the children's boxes along each axis.
+    ends: [[__m256; 2]; 3],
+    /// Of each child that is a leaf, which of the node's triangles it has.
+    triangles: [u32; LANES],
+    /// Which children are nodes.
+    inner: u32,
+    /// The first of these, of the node's blocks, and of its triangles.
+    children: u32,
+    blocks: u32,
+    faces: u32,
+}
 
 /// Triangles of one node.
 #[derive(Clone, Copy)]
@@ -30,34 +66,44 @@ struct Block {
     corner: Vectors,
     edge1: Vectors,
     edge2: Vectors,
+    normal: Vectors,
 }
 
 /// A ray in all lanes.
 struct Lanes {
     origin: Vectors,
     direction: Vectors,
+    inverse: Vectors,
     tmin: __m256,
     tmax: __m256,
-    /// Eight times the octant that it comes from.
-    octants: u64,
+    /// Which end of a box it meets first, of each axis.
+    against: [usize; 3],
 }
 
-/// The triangles of a tree, on a machine that has AVX2.
+/// Nodes and triangles of a tree, on a machine that has AVX2.
 pub(super) struct Wide {
+    nodes: Vec<Node>,
     blocks: Vec<Block>,
-    /// First block of each node.
-    first: Vec<u32>,
+}
+
+/// True where [`Wide`] can be used: what the first processors with AVX2 had.
+pub(super) fn is_supported() -> bool {
+    is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("lzcnt")
+        && is_x86_feature_detected!("popcnt")
 }
 
 impl Wide {
-    /// `faces` in the order of the tree's leaves. `None` where the machine lacks AVX2.
+    /// `faces` in the order of the tree's leaves. `None` where the machine lacks what it takes.
     pub(super) fn new(tree: &CwBvh, faces: &[Face]) -> Option<Self> {
-        if !is_x86_feature_detected!("avx2") {
+        if !is_supported() {
             return None;
         }
-        let (mut blocks, mut first) = (Vec::new(), Vec::new());
+        let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
         for node in &tree.nodes {
-            first.push(blocks.len() as u32);
+            #[allow(unsafe_code, reason = "the machine has AVX2")]
+            nodes.push(unsafe { Node::new(node, blocks.len()) });
             let base = node.primitive_base_idx as usize;
             let of_node = &faces[base..base + triangle_count(node)];
             for faces in of_node.chunks(LANES) {
@@ -65,17 +111,12 @@ impl Wide {
                 blocks.push(unsafe { Block::new(faces) });
             }
         }
-        Some(Self { blocks, first })
+        Some(Self { nodes, blocks })
     }
 
     /// Calls `meet` with distance and number of each face that the ray meets, node by node from near to far, until what
     /// it returns is less than the ray's end. True when that was so.
-    pub(super) fn meets(
-        &self,
-        tree: &CwBvh,
-        ray: &Ray,
-        mut meet: impl FnMut(f32, usize) -> f32,
-    ) -> bool {
+    pub(super) fn meets(&self, ray: &Ray, mut meet: impl FnMut(f32, usize) -> f32) -> bool {
         let (mut is_met, tmax) = (false, ray.tmax);
         let meet = |t, face| {
             is_met = meet(t, face) < tmax;
@@ -83,7 +124,7 @@ impl Wide {
         };
         #[allow(unsafe_code, reason = "there are blocks: the machine has AVX2")]
         unsafe {
-            self.traverse(tree, ray, meet);
+            self.traverse(ray, meet);
         }
         is_met
     }
@@ -91,7 +132,6 @@ impl Wide {
     /// Distance and number of the nearest face for which `meet` returns its distance and not infinity.
     pub(super) fn nearest(
         &self,
-        tree: &CwBvh,
         ray: &Ray,
         mut meet: impl FnMut(f32, usize) -> f32,
     ) -> Option<(f32, usize)> {
@@ -104,48 +144,51 @@ impl Wide {
         };
         #[allow(unsafe_code, reason = "there are blocks: the machine has AVX2")]
         unsafe {
-            self.traverse(tree, ray, meet);
+            self.traverse(ray, meet);
         }
         found
     }
 
     /// `meet` returns where the ray ends from now on, and whether to stop.
-    #[target_feature(enable = "avx2")]
-    fn traverse(&self, tree: &CwBvh, ray: &Ray, mut meet: impl FnMut(f32, usize) -> (f32, bool)) {
-        if tree.nodes.is_empty() {
+    #[target_feature(enable = "avx2,bmi1,lzcnt,popcnt")]
+    fn traverse(&self, ray: &Ray, mut meet: impl FnMut(f32, usize) -> (f32, bool)) {
+        if self.nodes.is_empty() {
             return;
         }
-        let mut lanes = Lanes::new(tree, ray);
+        let mut lanes = Lanes::new(ray);
+        let octant = octant(ray);
         let (mut stack, mut waiting) = ([(0u32, 0u32); DEEPEST], 0);
-        // First child, and which of them were hit: the root is the one child of nothing.
-        let mut group = (0u32, 1u32 << 31);
+        // First child, which of them were hit, and above these bits which there are: the root is the one child of nothing.
+        let mut group = (0u32, 1u32 << (LANES - 1));
         loop {
-            let child = group.1.ilog2();
-            let is_inner = group.1;
+            let child = (group.1 & ALL).ilog2();
             group.1 &= !(1 << child);
-            if group.1 & NODES != 0 {
+            if group.1 & ALL != 0 {
                 stack[waiting] = group;
                 waiting += 1;
             }
-            let slot = (child - 24) ^ (lanes.octants as u32 & 0xff);
-            let before = (is_inner & !(u32::MAX << slot)).count_ones();
-            let number = (group.0 + before) as usize;
-            let node = &tree.nodes[number];
-            let hits = lanes.hits(node, ray);
-            let triangles = hits & TRIANGLES;
-            if triangles != 0 {
-                let first = self.first[number] as usize;
+            let slot = child ^ octant as u32;
+            let before = (group.1 >> LANES & !(u32::MAX << slot)).count_ones();
+            let node = &self.nodes[(group.0 + before) as usize];
+            let hits = lanes.hits(node);
+            let mut leaves = hits & !node.inner;
+            if leaves != 0 {
+                let mut triangles = 0;
+                while leaves != 0 {
+                    triangles |= node.triangles[leaves.trailing_zeros() as usize % LANES];
+                    leaves &= leaves - 1;
+                }
                 for block in (0..3).rev() {
-                    let wanted = triangles >> (block * LANES) & 0xff;
+                    let wanted = triangles >> (block * LANES) & ALL;
                     if wanted == 0 {
                         continue;
                     }
-                    let (distances, met) = lanes.meets(&self.blocks[first + block]);
+                    let (distances, met) = lanes.meets(&self.blocks[node.blocks as usize + block]);
                     let mut met = met & wanted;
                     while met != 0 {
                         let lane = met.ilog2() as usize;
                         met &= !(1 << lane);
-                        let face = node.primitive_base_idx as usize + block * LANES + lane;
+                        let face = node.faces as usize + block * LANES + lane;
                         let (end, stop) = meet(lane_of(distances, lane), face);
                         if stop {
                             return;
@@ -154,8 +197,9 @@ impl Wide {
                     }
                 }
             }
-            group = (node.child_base_idx, hits & NODES | u32::from(node.imask));
-            if group.1 & NODES == 0 {
+            let nodes = IN_ORDER[octant][(hits & node.inner) as usize];
+            group = (node.children, u32::from(nodes) | node.inner << LANES);
+            if nodes == 0 {
                 if waiting == 0 {
                     return;
                 }
@@ -167,18 +211,77 @@ impl Wide {
 
     /// Bytes that it takes.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val::<[Block]>(&self.blocks) + size_of_val::<[u32]>(&self.first)
+        size_of_val::<[Block]>(&self.blocks) + size_of_val::<[Node]>(&self.nodes)
     }
+}
+
+/// Which way a ray goes, as the tree numbers octants: children with this number are nearest.
+fn octant(ray: &Ray) -> usize {
+    let bit = |axis: usize, bit: usize| if ray.direction[axis] < 0.0 { 0 } else { bit };
+    bit(0, 4) | bit(1, 2) | bit(2, 1)
+}
+
+/// Triangles of a child, a bit each from the node's first; 0 for nodes and where there is no child.
+fn triangles_of(meta: u8) -> u32 {
+    if is_node(meta) {
+        return 0;
+    }
+    u32::from(meta >> 5) << (meta & 0b11111)
 }
 
 /// Triangles of a node: those of its leaves follow each other.
 fn triangle_count(node: &CwBvhNode) -> usize {
-    let end = |meta: &u8| match meta >> 5 {
-        0 => 0,
-        _ if meta & 0b11000 == 0b11000 => 0,
-        ones => usize::from(meta & 0b11111) + ones.count_ones() as usize,
-    };
-    node.child_meta.iter().map(end).max().unwrap_or(0)
+    let all = node
+        .child_meta
+        .iter()
+        .fold(0, |all, &meta| all | triangles_of(meta));
+    (u32::BITS - all.leading_zeros()) as usize
+}
+
+fn is_node(meta: u8) -> bool {
+    meta & 0b11000 == 0b11000
+}
+
+impl Node {
+    #[target_feature(enable = "avx2")]
+    fn new(node: &CwBvhNode, blocks: usize) -> Self {
+        let steps = [
+            [node.child_min_x, node.child_max_x],
+            [node.child_min_y, node.child_max_y],
+            [node.child_min_z, node.child_max_z],
+        ];
+        let size = node.compute_extent();
+        let end = |axis: usize, side: usize, child: usize| {
+            if node.child_meta[child] == 0 {
+                // No child: a box that ends before it begins.
+                return if side == 0 {
+                    f32::INFINITY
+                } else {
+                    f32::NEG_INFINITY
+                };
+            }
+            let exact = f64::from(node.p[axis])
+                + f64::from(steps[axis][side][child]) * f64::from(size[axis]);
+            let end = exact as f32;
+            match side {
+                0 if f64::from(end) > exact => end.next_down(),
+                1 if f64::from(end) < exact => end.next_up(),
+                _ => end,
+            }
+        };
+        let ends = |axis: usize, side: usize| {
+            let [a, b, c, d, e, f, g, h] = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| end(axis, side, i));
+            _mm256_setr_ps(a, b, c, d, e, f, g, h)
+        };
+        Self {
+            ends: [0, 1, 2].map(|axis| [ends(axis, 0), ends(axis, 1)]),
+            triangles: node.child_meta.map(triangles_of),
+            inner: node.imask.into(),
+            children: node.child_base_idx,
+            blocks: blocks as u32,
+            faces: node.primitive_base_idx,
+        }
+    }
 }
 
 impl Block {
@@ -196,54 +299,43 @@ impl Block {
             corner: vectors(|face| face.corner),
             edge1: vectors(|face| face.edge1),
             edge2: vectors(|face| face.edge2),
+            normal: vectors(|face| face.normal),
         }
     }
 }
 
 impl Lanes {
     #[target_feature(enable = "avx2")]
-    fn new(tree: &CwBvh, ray: &Ray) -> Self {
+    fn new(ray: &Ray) -> Self {
         let all = |vector: Vec3A| vector.to_array().map(|of_axis| _mm256_set1_ps(of_axis));
-        let octants = tree.new_traversal(ray.direction).oct_inv4;
         Self {
             origin: all(ray.origin),
             direction: all(ray.direction),
+            inverse: all(ray.inv_direction),
             tmin: _mm256_set1_ps(ray.tmin),
             tmax: _mm256_set1_ps(ray.tmax),
-            octants: u64::from(octants) << 32 | u64::from(octants),
+            against: [0, 1, 2].map(|axis| usize::from(ray.direction[axis] < 0.0)),
         }
     }
 
-    /// Which children of a node the ray hits: bits 24 to 31 for nodes, those below for triangles of leaves.
+    /// Which children of a node the ray hits.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn hits(&self, node: &CwBvhNode, ray: &Ray) -> u32 {
-        let extent = node.compute_extent() * ray.inv_direction;
-        let origin = (Vec3A::from(node.p) - ray.origin) * ray.inv_direction;
-        // Where it enters and leaves the slabs between the planes of an axis.
-        let span = |axis: usize, low: [u8; 8], high: [u8; 8]| {
-            let planes = if ray.direction[axis] < 0.0 {
-                [high, low]
-            } else {
-                [low, high]
-            };
-            let (extent, origin) = (_mm256_set1_ps(extent[axis]), _mm256_set1_ps(origin[axis]));
-            planes.map(|steps| {
-                let steps = _mm256_cvtepi32_ps(widened(u64::from_le_bytes(steps)));
-                _mm256_add_ps(_mm256_mul_ps(steps, extent), origin)
+    fn hits(&self, node: &Node) -> u32 {
+        // Where it enters and leaves the slabs between the ends of an axis.
+        let span = |axis: usize| {
+            let first = self.against[axis];
+            [first, 1 - first].map(|side| {
+                let to_end = _mm256_sub_ps(node.ends[axis][side], self.origin[axis]);
+                _mm256_mul_ps(to_end, self.inverse[axis])
             })
         };
-        let x = span(0, node.child_min_x, node.child_max_x);
-        let y = span(1, node.child_min_y, node.child_max_y);
-        let z = span(2, node.child_min_z, node.child_max_z);
+        let (x, y, z) = (span(0), span(1), span(2));
         let near = _mm256_max_ps(x[0], _mm256_max_ps(y[0], z[0]));
         let near = _mm256_max_ps(near, _mm256_set1_ps(NEAREST));
         let far = _mm256_min_ps(x[1], _mm256_min_ps(y[1], z[1]));
         let far = _mm256_min_ps(far, self.tmax);
-        let is_hit = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far));
-        let (bits, index) = node.get_child_and_index_bits(self.octants as u32);
-        let of_child = _mm256_sllv_epi32(widened(bits), widened(index));
-        any_of(_mm256_and_si256(of_child, is_hit))
+        _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32
     }
 
     /// Distances to the triangles of a block, and which of them it meets (Möller & Trumbore 1997).
@@ -254,16 +346,16 @@ impl Lanes {
             corner,
             edge1,
             edge2,
+            normal,
         } = block;
         let to_corner = [0, 1, 2].map(|axis| _mm256_sub_ps(corner[axis], self.origin[axis]));
-        let normal = cross(edge1, edge2);
         let across = cross(&self.direction, &to_corner);
-        let determinant = dot(&normal, &self.direction);
+        let determinant = dot(normal, &self.direction);
         let (zero, one) = (_mm256_setzero_ps(), _mm256_set1_ps(1.0));
         let inverse = _mm256_div_ps(one, determinant);
         let u = _mm256_mul_ps(dot(&across, edge2), inverse);
         let v = _mm256_mul_ps(dot(&across, edge1), inverse);
-        let t = _mm256_mul_ps(dot(&normal, &to_corner), inverse);
+        let t = _mm256_mul_ps(dot(normal, &to_corner), inverse);
         let is_inside = [
             _mm256_cmp_ps::<_CMP_NEQ_OQ>(determinant, zero),
             _mm256_cmp_ps::<_CMP_GE_OQ>(u, zero),
@@ -277,26 +369,6 @@ impl Lanes {
             .fold(is_before_end, |all, one| _mm256_and_ps(all, one));
         (t, _mm256_movemask_ps(is_met) as u32)
     }
-}
-
-/// Eight bytes as eight numbers.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn widened(bytes: u64) -> __m256i {
-    _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(bytes as i64))
-}
-
-/// The bits that any lane has.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn any_of(lanes: __m256i) -> u32 {
-    let four = _mm_or_si128(
-        _mm256_castsi256_si128(lanes),
-        _mm256_extracti128_si256::<1>(lanes),
-    );
-    let two = _mm_or_si128(four, _mm_shuffle_epi32::<0b01_00_11_10>(four));
-    let one = _mm_or_si128(two, _mm_shuffle_epi32::<0b10_11_00_01>(two));
-    _mm_cvtsi128_si32(one) as u32
 }
 
 #[inline]
