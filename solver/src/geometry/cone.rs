@@ -1,6 +1,7 @@
 //! Convex cones of directions: what a point sees of convex planar polygons, cut by planes through the point.
 
 use super::Polygon;
+use super::angle::angle;
 use glam::Vec3;
 
 /// Corners that a cone can have; a cut adds at most one.
@@ -114,7 +115,7 @@ impl Cone {
             let cross = a.cross(b);
             let sine = cross.length();
             if sine > 0.0 {
-                sum += cross * (sine.atan2(a.dot(b)) / sine);
+                sum += cross * (angle(sine, a.dot(b)) / sine);
             }
         }
         sum * -0.5
