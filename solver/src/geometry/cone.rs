@@ -104,20 +104,23 @@ impl Cone {
         }
     }
 
-    /// Vector irradiance v [sr] of radiance 1 from the whole cone, by Lambert's formula, v = ½ Σ γᵢ Γᵢ over the edges
-    /// (`exact_cases.md` 2a). For a point in front of
-    /// the polygon.
+    /// Vector irradiance [sr] of radiance 1 from the whole cone, for a point in front of the polygon.
     pub fn vector_irradiance(&self) -> Vec3 {
-        let corners = self.corners();
-        let mut sum = Vec3::ZERO;
-        for i in 0..self.count {
-            let (a, b) = (corners[i], corners[(i + 1) % self.count]);
-            let cross = a.cross(b);
-            let sine = cross.length();
-            if sine > 0.0 {
-                sum += cross * (angle(sine, a.dot(b)) / sine);
-            }
-        }
-        sum * -0.5
+        vector_irradiance(self.corners())
     }
+}
+
+/// Vector irradiance v [sr] of radiance 1 from a polygon with `corners` relative to a point in front of it, by Lambert's
+/// formula, v = ½ Σ γᵢ Γᵢ over the edges (`exact_cases.md` 2a).
+pub(super) fn vector_irradiance(corners: &[Vec3]) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[if i + 1 < corners.len() { i + 1 } else { 0 }];
+        let cross = a.cross(b);
+        let sine = cross.length();
+        if sine > 0.0 {
+            sum += cross * (angle(sine, a.dot(b)) / sine);
+        }
+    }
+    sum * -0.5
 }

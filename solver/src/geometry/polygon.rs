@@ -1,6 +1,6 @@
 //! Convex planar polygons of three or four corners, and their exact form factors to a point.
 
-use super::Cone;
+use super::cone::{self, Cone};
 use glam::{Vec2, Vec3};
 
 /// A convex, planar triangle or quad, counter-clockwise seen from its front.
@@ -171,10 +171,14 @@ impl Polygon {
         if (point - self.corners[0]).dot(self.vector_area()) <= 0.0 {
             return Vec3::ZERO;
         }
-        let cone = Cone::new(self, point);
+        let corners = self.corners.map(|corner| corner - point);
+        let corners = &corners[..self.corners().len()];
         match horizon {
-            Some(normal) => cone.above(normal, 0.0).vector_irradiance(),
-            None => cone.vector_irradiance(),
+            Some(normal) if corners.iter().any(|corner| corner.dot(normal) < 0.0) => {
+                let cone = Cone::new(self, point);
+                cone.above(normal, 0.0).vector_irradiance()
+            }
+            _ => cone::vector_irradiance(corners),
         }
     }
 }
