@@ -180,9 +180,6 @@ impl Occluders {
             .collect();
         let params = BvhBuildParams {
             pre_split: false,
-            // Ten times the usual: what it costs comes back within the first three million rays.
-            reinsertion_batch_ratio: 0.5,
-            post_collapse_reinsertion_batch_ratio_multiplier: 1.0,
             ..BvhBuildParams::medium_build()
         };
         let mut bvh = build_cwbvh(&boxes, params, &mut Duration::default());
