@@ -33,7 +33,7 @@ pub(super) fn gather(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result
         let mut new = state.propagated(true, emitted, watch, done);
         new.scale(Rgb::from(correction.to_array().map(|c| c as f32)));
         let before = std::mem::take(&mut state.sent.power);
-        let ledger = state.send(&new, true, emitted);
+        let (_, ledger) = state.send(&new, true, emitted);
         let _ = watch.report(PHASE, done, state.held() + new.bytes());
         state.arrived = new;
         state.check_finite(iteration)?;

@@ -1,6 +1,7 @@
 //! What every iteration does, whatever scheme it belongs to: propagate exitant light, reflect what arrived, pull.
 
 use super::arrived::Arrived;
+use super::collected::Collected;
 use super::escape::{Escape, escape};
 use super::gathering::gather;
 use super::reflecting::Ledger;
@@ -124,6 +125,8 @@ pub(super) struct Iteration<'a> {
     pub(super) hierarchy: Hierarchy,
     /// All light that has arrived.
     pub(super) arrived: Arrived,
+    /// What of it diffuse leaves have reflected.
+    pub(super) collected: Collected,
     /// Emitted power of surfaces.
     pub(super) emitted: DVec3,
     /// The light that the next iteration sends, pulled.
@@ -152,6 +155,7 @@ impl<'a> Iteration<'a> {
             settings,
             hierarchy,
             arrived: Arrived::none(settings.method),
+            collected: Collected::default(),
             emitted: DVec3::ZERO,
             sent: Exitant::default(),
             cluster_gloss,
@@ -161,7 +165,8 @@ impl<'a> Iteration<'a> {
             in_glass: 0.0,
         };
         let config = first.reflect_config(0.0);
-        let (emitted, _, ledger) = first.reflected(&Arrived::default(), &config, true);
+        let (emitted, _, ledger) =
+            first.reflected(&Arrived::default(), &Collected::default(), &config, true);
         (first.sent, first.emitted) = (emitted, ledger.exitance);
         let how = first.pull_config(0.0);
         pull(&first.hierarchy, &mut first.sent, &how);
@@ -250,6 +255,7 @@ impl<'a> Iteration<'a> {
             + self.hierarchy.bytes()
             + self.openness.bytes()
             + self.arrived.bytes()
+            + self.collected.bytes()
             + self.sent.bytes()
     }
 
@@ -266,12 +272,19 @@ impl<'a> Iteration<'a> {
         escape(self.prepared, &self.hierarchy, &self.sent, lights, rays)
     }
 
-    /// Makes what `arrived` becomes the light that is sent next, with all emission or without.
-    pub(super) fn send(&mut self, arrived: &Arrived, emission: bool, emitted: f64) -> Ledger {
+    /// Makes what `arrived` becomes the light that is sent next, with all emission or without. Irradiance per node, and
+    /// the sums.
+    pub(super) fn send(
+        &mut self,
+        arrived: &Arrived,
+        emission: bool,
+        emitted: f64,
+    ) -> (Vec<Rgb>, Ledger) {
         let started = Instant::now();
         self.sent = Exitant::default();
         let config = self.reflect_config(emitted);
-        let (sent, _, ledger) = self.reflected(arrived, &config, emission);
+        let (sent, irradiance, ledger) =
+            self.reflected(arrived, &Collected::default(), &config, emission);
         self.sent = sent;
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
         let started = Instant::now();
@@ -281,7 +294,7 @@ impl<'a> Iteration<'a> {
         solve.phases_s.pull += started.elapsed().as_secs_f64();
         let bytes = &mut solve.bytes.distributions;
         *bytes = (*bytes).max(self.sent.bytes() as u64);
-        ledger
+        (irradiance, ledger)
     }
 
     /// Errors: light that is not finite after `iteration`.
@@ -302,7 +315,8 @@ impl<'a> Iteration<'a> {
         let config = self.reflect_config(self.stats.solve.emitted_w);
         self.sent = Exitant::default();
         let arrived = std::mem::take(&mut self.arrived);
-        let (mut total, irradiance, ledger) = self.reflected(&arrived, &config, true);
+        let collected = std::mem::take(&mut self.collected);
+        let (mut total, irradiance, ledger) = self.reflected(&arrived, &collected, &config, true);
         self.stats.solve.phases_s.reflect += started.elapsed().as_secs_f64();
         let how = self.pull_config(self.stats.solve.emitted_w);
         pull(&self.hierarchy, &mut total, &how);

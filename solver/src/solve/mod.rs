@@ -1,6 +1,7 @@
 //! Entry to a solve: scene in, solution out, with an observer that may stop it.
 
 mod arrived;
+mod collected;
 mod escape;
 mod furnace;
 mod gathering;

@@ -2,6 +2,7 @@
 
 use super::Emission;
 use super::arrived::Arrived;
+use super::collected::Collected;
 use super::iteration::Iteration;
 use crate::config::Method;
 use crate::directional::{Projector, Sum};
@@ -56,10 +57,12 @@ impl Iteration<'_> {
         }
     }
 
-    /// Exitant light of all leaves in answer to what `arrived`, not pulled yet; irradiance per node; and the sums.
+    /// Exitant light of all leaves in answer to what `arrived`, not pulled yet; irradiance per node; and the sums. Where
+    /// irradiance is `known`, diffuse leaves need not ask for samples.
     pub(super) fn reflected(
         &mut self,
         arrived: &Arrived,
+        known: &Collected,
         config: &ReflectConfig,
         emission: bool,
     ) -> (Exitant, Vec<Rgb>, Ledger) {
@@ -80,7 +83,7 @@ impl Iteration<'_> {
             .par_iter()
             .with_max_len(256)
             .map_init(Scratch::default, |scratch, &id| {
-                self.at_leaf(id, arrived, config, emission, scratch)
+                self.at_leaf(id, arrived, known, config, emission, scratch)
             })
             .collect();
         let mut exitant = Exitant::dark(hierarchy);
@@ -111,6 +114,7 @@ impl Iteration<'_> {
         &self,
         id: NodeId,
         arrived: &Arrived,
+        known: &Collected,
         config: &ReflectConfig,
         emission: bool,
         scratch: &mut Scratch,
@@ -134,8 +138,10 @@ impl Iteration<'_> {
             field,
         } = scratch;
         surface.compensating = emission.compensating;
-        let mut reflected = match arrived {
-            Arrived::Samples(samples) => {
+        let known = known.at(id).filter(|_| surface.lobe.is_none());
+        let mut reflected = match (known, arrived) {
+            (Some(irradiance), _) => Reflected::diffusely(irradiance, surface.diffuse),
+            (None, Arrived::Samples(samples)) => {
                 field.clear();
                 // Moved directions leave gaps in the lobes that links were refined for.
                 let glossy = surface.lobe.is_some();
@@ -152,7 +158,7 @@ impl Iteration<'_> {
                     _ => reflect(field, &surface, config, projector),
                 }
             }
-            Arrived::Reflected(reflections) => {
+            (None, Arrived::Reflected(reflections)) => {
                 let emitted = reflect(&[], &surface, config, projector);
                 reflections.with(hierarchy, id, emitted, sum)
             }

@@ -30,7 +30,7 @@ pub(super) fn shoot(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result<
         let done = 0.5 * (1.0 - (open / goal).ln() / (1.0 / goal).ln()) as f32;
         let escape = state.escape(iteration == 0, mean(sent * factor) / emitted);
         let mut new = state.propagated(iteration == 0, emitted, watch, done);
-        let reflected = state.send(&new, false, emitted);
+        let (irradiance, reflected) = state.send(&new, false, emitted);
         let _ = watch.report(PHASE, done, state.held() + new.bytes());
         state.stats.solve.iterations = iteration + 1;
         state.check_finite(iteration)?;
@@ -58,7 +58,9 @@ pub(super) fn shoot(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result<
 
         // The last iteration stands for all that would follow.
         let weight = if is_last { factor * tail } else { factor };
-        new.scale(Rgb::from(weight.to_array().map(|c| c as f32)));
+        let weight = Rgb::from(weight.to_array().map(|c| c as f32));
+        new.scale(weight);
+        state.collected.add(irradiance, weight);
         let started = Instant::now();
         state.arrived.absorb(&state.hierarchy, new);
         let solve = &mut state.stats.solve;

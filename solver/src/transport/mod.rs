@@ -17,6 +17,7 @@ mod point_light;
 pub mod propagate;
 pub mod pull;
 mod pyramid;
+pub mod query;
 mod rays;
 pub mod reflect;
 pub mod region;

@@ -30,6 +30,18 @@ pub struct Reflected {
     pub brdf_evaluations: u64,
 }
 
+impl Reflected {
+    /// What a diffuse surface makes of `irradiance`.
+    pub fn diffusely(irradiance: Rgb, reflectance: Rgb) -> Self {
+        Self {
+            irradiance,
+            diffuse: irradiance * reflectance * FRAC_1_PI,
+            exitance: irradiance * reflectance,
+            ..Self::default()
+        }
+    }
+}
+
 /// How to project reflected light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectConfig {
@@ -147,21 +159,21 @@ fn projected(
         compensating,
         bend,
     } = surface;
-    let mut out = Reflected::default();
+    let mut irradiance = Rgb::BLACK;
     let mut glossy_exitance = Rgb::BLACK;
     for sample in samples {
         let cosine = sample.direction.dot(normal);
         if cosine <= 0.0 {
             continue;
         }
-        let irradiance = sample.irradiance * cosine;
-        out.irradiance += irradiance;
+        let light = sample.irradiance * cosine;
+        irradiance += light;
         if let Some(lobe) = lobe {
-            glossy_exitance += irradiance * lobe.specular * lobe.albedo(cosine);
+            glossy_exitance += light * lobe.specular * lobe.albedo(cosine);
         }
     }
-    out.diffuse = out.irradiance * diffuse * FRAC_1_PI;
-    out.exitance = out.irradiance * diffuse + glossy_exitance;
+    let mut out = Reflected::diffusely(irradiance, diffuse);
+    out.exitance += glossy_exitance;
     let Some(lobe) = lobe else {
         return (out, false);
     };

@@ -1,6 +1,7 @@
 //! Visibility between two points: rays on a bounding volume hierarchy, tinted by clear glass.
 
 use crate::radiometry::Rgb;
+use crate::transport::query::{Query, Record, SCALE, SCALE_EXPONENT, ray, scaled};
 #[cfg(target_arch = "x86_64")]
 use crate::transport::wide::Wide;
 use glam::{Vec3, Vec3A};
@@ -9,7 +10,6 @@ use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Patch number of a triangle that belongs to no patch (glass).
@@ -18,11 +18,6 @@ pub const NO_PATCH: u32 = crate::hierarchy::NONE;
 /// A ray starts and ends this share of its length away from its ends: a neighbour in the same plane must not block
 /// through rounding.
 const END_GAP: f32 = 128.0 * f32::EPSILON;
-
-/// The tree misses what is nearer than 1e-4, whatever the scene: in coordinates of this many times the normalised ones
-/// that is below rounding. A power of two.
-const SCALE: f32 = (1u32 << SCALE_EXPONENT) as f32;
-const SCALE_EXPONENT: u8 = 13;
 
 /// Rounding of a point on a surface in normalised coordinates.
 const LEAST_GAP: f32 = 2.0 * f32::EPSILON;
@@ -66,10 +61,6 @@ impl Face {
     }
 }
 
-fn scaled(point: Vec3) -> Vec3A {
-    (point * SCALE).into()
-}
-
 /// Brings a tree of normalised boxes to the coordinates of [`scaled`]. Its builder's checks have tolerances for boxes of
 /// about unit size.
 fn enlarge(tree: &mut CwBvh) {
@@ -82,57 +73,6 @@ fn enlarge(tree: &mut CwBvh) {
     *all = Aabb::new(all.min * SCALE, all.max * SCALE);
     // Exact boxes serve refitting only.
     tree.exact_node_aabbs = None;
-}
-
-/// The part of a ray along unit `direction` between two distances.
-fn ray(from: Vec3, direction: Vec3, span: [f32; 2]) -> Ray {
-    Ray::new(
-        scaled(from),
-        // The tree misses boxes along a direction that has a negative zero; plus zero it is none.
-        (direction + Vec3::ZERO).into(),
-        span[0] * SCALE,
-        span[1] * SCALE,
-    )
-}
-
-/// A question for what stands on a part of a ray, for those who want to time it.
-#[derive(Clone, Copy)]
-pub struct Query {
-    ray: Ray,
-    ends: [u32; 2],
-    end: Option<(f32, u32)>,
-}
-
-impl Query {
-    /// What stands between two points, nearer to neither than a `gap` share of the way.
-    pub fn between(from: Vec3, to: Vec3, gap: f32) -> Self {
-        let (direction, length) = (to - from).normalize_and_length();
-        Self {
-            ray: ray(from, direction, [gap * length, (1.0 - gap) * length]),
-            ends: [NO_PATCH; 2],
-            end: None,
-        }
-    }
-
-    /// Where the part begins, and the way to its end, normalised.
-    pub fn part(&self) -> (Vec3, Vec3) {
-        let Ray {
-            origin,
-            direction,
-            tmin,
-            tmax,
-            ..
-        } = self.ray;
-        let [start, way] =
-            [origin + direction * tmin, direction * (tmax - tmin)].map(|v| Vec3::from(v) / SCALE);
-        (start, way)
-    }
-}
-
-/// The first questions that are asked.
-struct Record {
-    queries: Mutex<Vec<Query>>,
-    most: usize,
 }
 
 /// All surfaces of a scene as occluders.
@@ -224,24 +164,19 @@ impl Occluders {
 
     /// From now on keeps the first `most` questions that are asked for transmittance between two points.
     pub fn record(&mut self, most: usize) {
-        self.record = Some(Record {
-            queries: Mutex::default(),
-            most,
-        });
+        self.record = Some(Record::new(most));
     }
 
     /// What was kept, and no more is.
     pub fn recorded(&mut self) -> Vec<Query> {
-        let record = self.record.take();
-        let queries = |record: Record| record.queries.into_inner();
-        record.map_or_else(Vec::new, |record| {
-            queries(record).unwrap_or_else(PoisonError::into_inner)
-        })
+        self.record
+            .take()
+            .map_or_else(Vec::new, Record::into_queries)
     }
 
     /// Asks once more; true when nothing opaque stands there.
     pub fn passes(&self, query: &Query) -> bool {
-        self.along(query.ray, query.ends, query.end).1 == NO_PATCH
+        self.along(*query).1 == NO_PATCH
     }
 
     /// What part of the light from `from` reaches `to`, per channel. Surfaces of the two `ends` patches do not block:
@@ -256,7 +191,11 @@ impl Occluders {
         let (direction, length) = (to - from).normalize_and_length();
         let span = [END_GAP * length, (1.0 + END_GAP) * length];
         let end = (1.0 - END_GAP) * length;
-        self.along(ray(from, direction, span), ends, Some((end, ends[1])))
+        self.along(Query {
+            ray: ray(from, direction, span),
+            ends,
+            end: Some((end, ends[1])),
+        })
     }
 
     /// The same, of what lies strictly in between, however near to the ends: in a corner the other wall is within the
@@ -264,13 +203,22 @@ impl Occluders {
     pub fn strict_transmittance(&self, from: Vec3, to: Vec3, ends: [u32; 2]) -> Rgb {
         let (direction, length) = (to - from).normalize_and_length();
         let span = [LEAST_GAP, length - LEAST_GAP];
-        self.along(ray(from, direction, span), ends, None).0
+        let query = Query {
+            ray: ray(from, direction, span),
+            ends,
+            end: None,
+        };
+        self.along(query).0
     }
 
     /// What part of the light that leaves `from` on patch `origin` towards `direction` escapes from the scene.
     pub fn escape(&self, from: Vec3, direction: Vec3, origin: u32) -> Rgb {
-        let ray = ray(from, direction, [LEAST_GAP, f32::INFINITY]);
-        self.along(ray, [origin, NO_PATCH], None).0
+        let query = Query {
+            ray: ray(from, direction, [LEAST_GAP, f32::INFINITY]),
+            ends: [origin, NO_PATCH],
+            end: None,
+        };
+        self.along(query).0
     }
 
     /// The first opaque surface that a ray from `from` on patch `origin` towards `direction` meets.
@@ -340,14 +288,12 @@ impl Occluders {
         })
     }
 
-    /// `end`: from this distance on, patches after this one do not block.
-    fn along(&self, ray: Ray, ends: [u32; 2], end: Option<(f32, u32)>) -> (Rgb, u32) {
-        if let Some(Record { queries, most }) = &self.record {
-            let mut queries = queries.lock().unwrap_or_else(PoisonError::into_inner);
-            if queries.len() < *most && ray.tmax < f32::INFINITY {
-                queries.push(Query { ray, ends, end });
-            }
+    /// What passes, and a patch that blocks, or [`NO_PATCH`].
+    fn along(&self, query: Query) -> (Rgb, u32) {
+        if let Some(record) = &self.record {
+            record.keep(query);
         }
+        let Query { ray, ends, end } = query;
         let mut passed = Rgb::WHITE;
         let mut blocker = NO_PATCH;
         let is_blocked = self.meets(&ray, |t, surface| {

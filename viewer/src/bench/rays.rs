@@ -4,7 +4,7 @@ use super::table::{Table, Value};
 use glam::{Vec2, Vec3};
 use sheen_solver::geometry::hash;
 use sheen_solver::solve::{Prepared, transported};
-use sheen_solver::transport::visibility::Query;
+use sheen_solver::transport::query::Query;
 use sheen_solver::{Scene, SolveConfig, SolveError};
 use std::time::Instant;
 
