@@ -5,6 +5,9 @@
 
 use glam::Vec3;
 use sheen_solver::config::{Method, Refiner, Scheme};
+use sheen_solver::solve::{Arrived, Prepared, transported};
+use sheen_solver::transport::illumination::{Unpacked, irradiance};
+use sheen_solver::transport::openness::Openness;
 use sheen_solver::{Quality, Scene, Solution, SolveConfig, solve};
 use sheen_tests::images;
 use sheen_tests::scenes::{self, Builder};
@@ -163,4 +166,39 @@ fn the_absolute_refiner_spends_cells_where_it_is_bright() {
     let [few, many] = [&relative, &absolute].map(|s| s.stats.solve.basis_functions);
     println!("basis functions: {few} relative, {many} absolute");
     assert!(many > few, "{few} {many}");
+}
+
+#[test]
+fn irradiance_added_up_by_iteration_is_that_of_all_samples() {
+    let scene = scenes::own("cornell_box_glossy");
+    let settings = SolveConfig {
+        quality: Quality::DRAFT,
+        ..SolveConfig::default()
+    };
+    let settings = settings.settings().unwrap();
+    let prepared = Prepared::new(&scene, &settings);
+    let openness = Openness::new(&prepared.hierarchy(), &prepared.occluders);
+    let done = transported(&prepared, &settings).unwrap();
+    let Arrived::Samples(samples) = &done.arrived else {
+        panic!("samples are kept");
+    };
+    let (mut unpacked, mut field) = (Unpacked::default(), Vec::new());
+    let (mut received, mut difference, mut leaves) = (0.0, 0.0, 0);
+    for element in &done.hierarchy.elements {
+        let is_diffuse = prepared.lobes[element.material as usize].is_none();
+        if !is_diffuse || !done.hierarchy.is_leaf(element.node) || element.exposed.is_none() {
+            continue;
+        }
+        field.clear();
+        let (tree, leaf) = (&done.hierarchy, element.node);
+        samples.field(tree, leaf, false, &openness, &mut unpacked, &mut field);
+        let expected = irradiance(&field, done.hierarchy.shading_normal(element)).mean();
+        let found = done.irradiance[leaf as usize].mean();
+        received += f64::from(expected);
+        difference += f64::from((found - expected).abs());
+        leaves += 1;
+    }
+    println!("{leaves} leaves differ by {:.2e}", difference / received);
+    // Samples are kept with 16 bits.
+    assert!(leaves > 100 && difference < 1e-4 * received);
 }
