@@ -8,6 +8,12 @@ pub fn mix(a: u32, b: u32) -> u32 {
     (word >> 22) ^ word
 }
 
+/// A hash of where a point is.
+pub fn of_point(point: glam::Vec3) -> u32 {
+    let [x, y, z] = point.to_array().map(f32::to_bits);
+    mix(mix(x, y), z)
+}
+
 /// A number in [0, 1) from two words.
 pub fn unit(a: u32, b: u32) -> f32 {
     (mix(a, b) >> 8) as f32 * (1.0 / 16_777_216.0)

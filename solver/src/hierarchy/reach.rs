@@ -279,8 +279,7 @@ impl Contacts<'_> {
             }
             Source::Place(at, rays) => {
                 let normal = self.normal(at.patch, at.back);
-                let seed = at.point.to_array().map(f32::to_bits);
-                let seed = hash::mix(hash::mix(seed[0], seed[1]), seed[2]);
+                let seed = hash::of_point(at.point);
                 let meeting = |ray: u32| {
                     let unit = |salt: u32| hash::unit(seed, ray.wrapping_mul(2) + salt);
                     let direction = cosine_direction(normal, Vec2::new(unit(0), unit(1)));

@@ -167,6 +167,7 @@ impl Propagation<'_> {
             exitant: self.exitant,
             hierarchy: link.hierarchy,
             receiver_node: link.receiver_node,
+            seed: link.receiver_node,
             receiver: link.receiver,
             sender: link.sender,
         };

@@ -5,7 +5,7 @@
 //! Cost: a bound and a pyramid per link, rays where much stands in between.
 
 use crate::config::Visibility;
-use crate::geometry::Cone;
+use crate::geometry::{Cone, hash};
 use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::blockers::Blockers;
@@ -100,6 +100,7 @@ impl Gather<'_> {
             lists: Vec::new(),
         };
         let mut blockers = Blockers::new(receiver.centre, self.environment.shapes);
+        let seed = hash::of_point(receiver.centre);
         let mut stack = vec![(SenderId::whole(0), Candidates::Unknown)];
         while let Some((id, candidates)) = stack.pop() {
             if self.exitant.peak[id.node as usize] <= 0.0 {
@@ -136,6 +137,7 @@ impl Gather<'_> {
                 exitant: self.exitant,
                 hierarchy,
                 receiver_node: NONE,
+                seed,
                 receiver,
                 sender: &sender,
             };

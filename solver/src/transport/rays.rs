@@ -18,6 +18,8 @@ pub(super) struct Rays<'a> {
     pub(super) hierarchy: &'a Hierarchy,
     /// [`NONE`] for vertices.
     pub(super) receiver_node: NodeId,
+    /// Tells this receiver from others: errors of neighbours shall not be alike, so that they cancel between them.
+    pub(super) seed: u32,
     pub(super) receiver: &'a Receiver,
     pub(super) sender: &'a Sender,
 }
@@ -64,7 +66,8 @@ impl Rays<'_> {
 
     /// Casts one of `side`² rays. `None` where the surfaces that it was to join do not face each other.
     fn ray(&self, ray: u32, side: u32, stats: &mut LinkStats) -> Option<Cast> {
-        let seed = hash::mix(self.sender.id.node, self.receiver_node);
+        let sender = self.sender.id;
+        let seed = hash::mix(hash::mix(sender.node, sender.hash()), self.seed);
         let all = side * side;
         let at = |i: u32, salt: u32| {
             let jitter = |axis: u32| {
