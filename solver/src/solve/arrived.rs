@@ -1,7 +1,7 @@
 //! Light that has arrived at the nodes of the hierarchy, by method.
 
 use crate::config::Method;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::clustering::Reflections;
 use crate::transport::illumination::SampleSets;
@@ -36,10 +36,15 @@ impl Arrived {
         }
     }
 
-    /// Adds all light of `other`, which is of the same kind.
-    pub(super) fn absorb(&mut self, hierarchy: &Hierarchy, other: Self) {
+    /// Adds all light of `other`, which is of the same kind; of samples those that nodes `keep`.
+    pub(super) fn absorb(
+        &mut self,
+        hierarchy: &Hierarchy,
+        other: Self,
+        keep: impl Fn(NodeId) -> bool,
+    ) {
         match (self, other) {
-            (Self::Samples(own), Self::Samples(new)) => own.absorb(new),
+            (Self::Samples(own), Self::Samples(new)) => own.absorb(new, keep),
             (Self::Reflected(own), Self::Reflected(new)) => own.absorb(hierarchy, new),
             (own, new) => *own = new,
         }

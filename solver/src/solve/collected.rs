@@ -1,9 +1,10 @@
 //! Irradiance of diffuse leaves, added up from iteration to iteration: what they have reflected needs no samples again.
 
-use crate::hierarchy::NodeId;
+use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 
-/// Irradiance per node that was there in the first iteration; those that came later are known to samples alone.
+/// Irradiance per node. A leaf that is split leaves its own to its parts: links found that its light is as even as it has
+/// to be.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Collected {
     irradiance: Vec<Rgb>,
@@ -11,16 +12,16 @@ pub(super) struct Collected {
 
 impl Collected {
     /// Adds what one iteration brought, multiplied with `weight`.
-    pub(super) fn add(&mut self, irradiance: Vec<Rgb>, weight: Rgb) {
-        if self.irradiance.is_empty() {
-            self.irradiance = irradiance;
-            self.irradiance
-                .iter_mut()
-                .for_each(|own| *own = *own * weight);
-        } else {
-            let pairs = self.irradiance.iter_mut().zip(irradiance);
-            pairs.for_each(|(own, new)| *own += new * weight);
+    pub(super) fn add(&mut self, hierarchy: &Hierarchy, irradiance: Vec<Rgb>, weight: Rgb) {
+        // Children have larger numbers than their parents.
+        for id in self.irradiance.len()..irradiance.len() {
+            let parent = hierarchy.node(id as NodeId).parent;
+            let before = self.irradiance.get(parent as usize).copied();
+            let before = before.filter(|_| parent != NONE);
+            self.irradiance.push(before.unwrap_or(Rgb::BLACK));
         }
+        let pairs = self.irradiance.iter_mut().zip(irradiance);
+        pairs.for_each(|(own, new)| *own += new * weight);
     }
 
     /// Irradiance of a leaf, if all of it is known.

@@ -2,6 +2,7 @@
 //! before. Samples and the time to reflect them grow from iteration to iteration. The plain twin of shooting.
 
 use super::Watch;
+use super::arrived::Arrived;
 use super::iteration::{Iteration, MAX_ITERATIONS, PHASE, mean};
 use super::series::{Drift, conserving};
 use crate::error::SolveError;
@@ -30,6 +31,8 @@ pub(super) fn gather(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result
     for iteration in 0..MAX_ITERATIONS {
         let done = 0.5 * (1.0 - (open.min(1.0) / goal).ln() / (1.0 / goal).ln()) as f32;
         let escape = state.escape(true, 1.0);
+        // All of it arrives anew.
+        state.arrived = Arrived::none(state.settings.method);
         let mut new = state.propagated(true, emitted, watch, done);
         new.scale(Rgb::from(correction.to_array().map(|c| c as f32)));
         let before = std::mem::take(&mut state.sent.power);

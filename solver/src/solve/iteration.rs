@@ -9,7 +9,7 @@ use super::shooting::shoot;
 use super::{Prepared, Watch};
 use crate::config::{Scheme, Settings};
 use crate::error::SolveError;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::stats::Stats;
 use crate::transport::clustering::Surfaces;
@@ -27,7 +27,7 @@ use std::time::Instant;
 pub struct Transported {
     /// Clusters and elements as refined.
     pub hierarchy: Hierarchy,
-    /// All light that arrived, per node.
+    /// Light that arrived, per node: as samples, what may be mirrored.
     pub arrived: Arrived,
     /// All light that leaves, emission and every reflection.
     pub total: Exitant,
@@ -123,7 +123,7 @@ pub(super) struct Iteration<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) settings: &'a Settings,
     pub(super) hierarchy: Hierarchy,
-    /// All light that has arrived.
+    /// Light that has arrived: as samples, what glossy leaves will reflect again.
     pub(super) arrived: Arrived,
     /// What of it diffuse leaves have reflected.
     pub(super) collected: Collected,
@@ -257,6 +257,17 @@ impl<'a> Iteration<'a> {
             + self.arrived.bytes()
             + self.collected.bytes()
             + self.sent.bytes()
+    }
+
+    /// Keeps what has arrived and been reflected: samples for glossy leaves, which reflect them all together in the end, of
+    /// all else only what they have collected.
+    pub(super) fn accumulate(&mut self, new: Arrived) {
+        let (hierarchy, lobes) = (&self.hierarchy, &self.prepared.lobes);
+        let keep = |id: NodeId| match hierarchy.element_of(id) {
+            Some(element) => lobes[element.material as usize].is_some(),
+            None => self.cluster_gloss[id as usize].share > 0.0,
+        };
+        self.arrived.absorb(hierarchy, new, keep);
     }
 
     /// What of the light that is sent, a `share` of the emitted, leaves the scene.

@@ -140,7 +140,11 @@ impl Iteration<'_> {
         surface.compensating = emission.compensating;
         let known = known.at(id).filter(|_| surface.lobe.is_none());
         let mut reflected = match (known, arrived) {
-            (Some(irradiance), _) => Reflected::diffusely(irradiance, surface.diffuse),
+            (Some(irradiance), _) => {
+                // Of what it was part of, light may have reached the rest alone.
+                let irradiance = irradiance * f32::from(!element.exposed.is_none());
+                Reflected::diffusely(irradiance, surface.diffuse)
+            }
             (None, Arrived::Samples(samples)) => {
                 field.clear();
                 // Moved directions leave gaps in the lobes that links were refined for.

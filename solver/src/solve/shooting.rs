@@ -1,7 +1,8 @@
 //! Shooting (§3.4): iteration i moves only light that has been reflected exactly i times.
 //!
-//! New samples are reflected once, then appended to the accumulated ones; distributions live for one iteration. At
-//! the end all accumulated samples are reflected together: that is the exitant light that the export gathers.
+//! New samples are reflected once, then appended to the accumulated ones where something glossy will reflect them once
+//! more; distributions live for one iteration. At the end all accumulated samples are reflected together: that is the
+//! exitant light that the export gathers.
 
 use super::Watch;
 use super::iteration::{Iteration, MAX_ITERATIONS, PHASE, mean};
@@ -60,9 +61,9 @@ pub(super) fn shoot(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result<
         let weight = if is_last { factor * tail } else { factor };
         let weight = Rgb::from(weight.to_array().map(|c| c as f32));
         new.scale(weight);
-        state.collected.add(irradiance, weight);
+        state.collected.add(&state.hierarchy, irradiance, weight);
         let started = Instant::now();
-        state.arrived.absorb(&state.hierarchy, new);
+        state.accumulate(new);
         let solve = &mut state.stats.solve;
         solve.phases_s.push += started.elapsed().as_secs_f64();
         let weight = if is_last { tail } else { DVec3::ONE };

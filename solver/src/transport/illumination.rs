@@ -309,10 +309,12 @@ impl SampleSets {
         }
     }
 
-    /// Moves all samples of `other` into this one: what is new becomes accumulated (§3.4).
-    pub fn absorb(&mut self, other: Self) {
-        for (id, samples) in other.sets.into_iter().enumerate() {
-            self.add(id as u32, samples);
+    /// Moves samples of `other` into this one: what is new becomes accumulated (§3.4), at nodes that `keep` it.
+    pub fn absorb(&mut self, other: Self, keep: impl Fn(NodeId) -> bool) {
+        for (id, samples) in (0..).zip(other.sets) {
+            if keep(id) {
+                self.add(id, samples);
+            }
         }
     }
 
