@@ -234,8 +234,8 @@ impl WalkApp {
                 .image(*id, response.rect, whole, egui::Color32::WHITE);
         }
         self.figures.size = (width, height);
-        if let Some(seconds) = self.timer.as_ref().and_then(FrameTimer::poll) {
-            self.figures.gpu_ms = Some(smooth(self.figures.gpu_ms, seconds * 1e3));
+        if let Some(times) = self.timer.as_ref().and_then(FrameTimer::poll) {
+            self.figures.gpu_ms = Some(smooth(self.figures.gpu_ms, times.total() * 1e3));
         }
     }
 

@@ -2,6 +2,7 @@
 
 pub mod convergence;
 pub mod fit;
+pub mod frames;
 pub mod plot;
 pub mod rays;
 pub mod scaling;

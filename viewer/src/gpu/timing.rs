@@ -8,7 +8,30 @@ const IDLE: u8 = 0;
 const MAPPING: u8 = 1;
 const READY: u8 = 2;
 
-/// Two timestamps a frame: before the first pass, after the last.
+/// Ends of the first pass and of the last.
+const TIMESTAMPS: u32 = 4;
+/// Bytes that they take.
+const TICKS: u64 = 8 * TIMESTAMPS as u64;
+
+/// Time of the steps of a frame on the device [s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameTimes {
+    /// Glossy vertices, where these are evaluated.
+    pub evaluate: f64,
+    /// Triangles, lines and glass.
+    pub geometry: f64,
+    /// Samples become pixels.
+    pub resolve: f64,
+}
+
+impl FrameTimes {
+    /// Of all steps [s].
+    pub fn total(&self) -> f64 {
+        self.evaluate + self.geometry + self.resolve
+    }
+}
+
+/// Timestamps before and after the first pass and the last.
 #[derive(Debug)]
 pub struct FrameTimer {
     queries: wgpu::QuerySet,
@@ -31,7 +54,7 @@ impl FrameTimer {
         let buffer = |label, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: 16,
+                size: TICKS,
                 usage,
                 mapped_at_creation: false,
             })
@@ -40,7 +63,7 @@ impl FrameTimer {
             queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("frame time"),
                 ty: wgpu::QueryType::Timestamp,
-                count: 2,
+                count: TIMESTAMPS,
             }),
             resolved: buffer(
                 "frame ticks",
@@ -60,7 +83,7 @@ impl FrameTimer {
         wgpu::ComputePassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(0),
-            end_of_pass_write_index: None,
+            end_of_pass_write_index: Some(1),
         }
     }
 
@@ -68,21 +91,21 @@ impl FrameTimer {
     pub fn end(&self) -> wgpu::RenderPassTimestampWrites<'_> {
         wgpu::RenderPassTimestampWrites {
             query_set: &self.queries,
-            beginning_of_pass_write_index: None,
-            end_of_pass_write_index: Some(1),
+            beginning_of_pass_write_index: Some(2),
+            end_of_pass_write_index: Some(3),
         }
     }
 
     /// After the last pass: copies the ticks out, unless an earlier copy is still under way.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
+        encoder.resolve_query_set(&self.queries, 0..TIMESTAMPS, &self.resolved, 0);
         if self.state.load(Ordering::Acquire) == IDLE {
-            encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.mapped, 0, 16);
+            encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.mapped, 0, TICKS);
         }
     }
 
-    /// After submission: the time of an earlier frame [s], once it is known.
-    pub fn poll(&self) -> Option<f64> {
+    /// After submission: the times of an earlier frame, once they are known.
+    pub fn poll(&self) -> Option<FrameTimes> {
         match self.state.load(Ordering::Acquire) {
             IDLE => {
                 self.state.store(MAPPING, Ordering::Release);
@@ -98,11 +121,19 @@ impl FrameTimer {
                 let bytes = self.mapped.slice(..).get_mapped_range().ok()?.to_vec();
                 self.mapped.unmap();
                 self.state.store(IDLE, Ordering::Release);
-                let tick = |at: usize| {
-                    u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap_or_default())
+                let tick = |index: usize| {
+                    let bytes = bytes[8 * index..][..8].try_into();
+                    u64::from_le_bytes(bytes.unwrap_or_default())
                 };
-                let ticks = tick(8).saturating_sub(tick(0));
-                Some(ticks as f64 * f64::from(self.nanoseconds_per_tick) * 1e-9)
+                let seconds = |from: usize| {
+                    let ticks = tick(from + 1).saturating_sub(tick(from));
+                    ticks as f64 * f64::from(self.nanoseconds_per_tick) * 1e-9
+                };
+                Some(FrameTimes {
+                    evaluate: seconds(0),
+                    geometry: seconds(1),
+                    resolve: seconds(2),
+                })
             }
             _ => None,
         }

@@ -49,6 +49,8 @@ pub struct SolutionRenderer {
     parts: Vec<Part>,
     lines: Option<Vec<VertexList>>,
     glass: Vec<VertexList>,
+    /// Of the solution, on the device.
+    bytes: u64,
     /// Where light is evaluated.
     pub shading: Shading,
 }
@@ -69,6 +71,7 @@ impl SolutionRenderer {
         let frame = FrameGroup::new(gpu);
         let evaluate = Evaluate::new(gpu, &frame);
         let geometry = Geometry::new(gpu, &frame);
+        let mut bytes = 0;
         let parts = chunks::cut(solution, limits)
             .into_iter()
             .map(|chunk| {
@@ -93,6 +96,11 @@ impl SolutionRenderer {
                 let glossy = gpu.buffer("glossy vertices", &chunk.glossy, BufferUsages::STORAGE);
                 let words = gpu.buffer("distributions", &chunk.words, BufferUsages::STORAGE);
                 let shaded = gpu.buffer("vertices", &chunk.shaded, BufferUsages::STORAGE);
+                bytes += [&mesh.positions, &mesh.colours, &mesh.indices]
+                    .into_iter()
+                    .chain([&glossy, &words, &shaded])
+                    .map(wgpu::Buffer::size)
+                    .sum::<u64>();
                 Part {
                     evaluation: evaluate.bind(gpu, &glossy, &words, &mesh.colours),
                     shading: geometry.bind(gpu, &mesh, &shaded, &words),
@@ -115,11 +123,14 @@ impl SolutionRenderer {
                 })
             })
             .collect();
+        let glass = lists(gpu, "glass", &corners);
+        bytes += glass.iter().map(|list| list.buffer.size()).sum::<u64>();
         let renderer = Self {
             geometry,
             shading: Shading::default(),
             resolve: Resolve::new(gpu),
-            glass: lists(gpu, "glass", &corners),
+            glass,
+            bytes,
             lines: None,
             frame,
             evaluate,
@@ -132,6 +143,19 @@ impl SolutionRenderer {
     /// True when something clear is drawn.
     pub fn has_glass(&self) -> bool {
         !self.glass.is_empty()
+    }
+
+    /// Bytes of the solution on the device, without the wireframe.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Vertices on the device that have a distribution; those that several parts use count for each.
+    pub fn glossy_count(&self) -> u64 {
+        self.parts
+            .iter()
+            .map(|part| u64::from(part.glossy_count))
+            .sum()
     }
 
     /// Uploads the wireframe, once.

@@ -1,6 +1,7 @@
 //! `sheen bench`: tables of time, memory and error.
 
 mod convergence;
+mod frames;
 mod rays;
 mod scaling;
 mod tables;
@@ -22,6 +23,8 @@ enum What {
     Convergence(convergence::Args),
     /// The tables of Stamminger et al. 2000, theirs beside ours.
     Tables(tables::Args),
+    /// Frames of a walk through a solution: time on the graphics device, frames a second.
+    Frames(frames::Args),
     /// Visibility rays a second, on one thread.
     Rays(rays::Args),
     /// Time and memory of one room with more and finer things in it.
@@ -32,6 +35,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     match &args.what {
         What::Convergence(args) => convergence::run(args),
         What::Tables(args) => tables::run(args),
+        What::Frames(args) => frames::run(args),
         What::Rays(args) => rays::run(args),
         What::Scaling(args) => scaling::run(args),
     }
