@@ -5,7 +5,9 @@
 //! Emission is left out: it is stored as it is.
 
 use crate::ways::cpu::Looker;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use sheen_solver::geometry::sampling::cosine_direction;
 use sheen_solver::path::{Aim, Probe, Probes, Sampler};
 use sheen_solver::{Observer, PathTracer, Progress, Rgb, Solution};
 
@@ -102,9 +104,14 @@ pub fn verify(
     hold_all(solution, &places, probes, seed, observer, &hold)
 }
 
+/// Directions in which a point of a furnace looks for dark sides.
+const LOOKS: u32 = 32;
+/// From a point nothing is looked for nearer than this share of the way to what stands opposite.
+const NEAR: f32 = 1e-3;
+
 /// Holds the `solution` of a furnace ([`sheen_solver::solve::solve_furnace`]) against the one `radiance` that it has
 /// everywhere; `tracer`: of its scene. Sides that are dark, where none of the scene's lamps reaches, are left out, and so
-/// is what sees them: a floor below a box.
+/// are points that see them: a floor below a box receives less, as it should.
 pub fn verify_furnace(
     solution: &Solution,
     radiance: f32,
@@ -114,14 +121,25 @@ pub fn verify_furnace(
     observer: &mut dyn Observer,
 ) -> Option<Verification> {
     let looker = Looker::new(solution, &[]);
-    let hold = |probe: &Probe, _: &mut Sampler| {
+    let is_black = |eye: Vec3, direction: Vec3, near: f32| {
+        looked(solution, &looker, eye, direction, near).is_black()
+    };
+    let sees_dark = |probe: &Probe, sampler: &mut Sampler| {
+        let near = NEAR * probe.eye.distance(probe.point);
+        (0..LOOKS / 2).any(|_| {
+            let [x, y, z, w] = sampler.draw();
+            [Vec2::new(x, y), Vec2::new(z, w)].into_iter().any(|at| {
+                let direction = cosine_direction(probe.normal, at);
+                is_black(probe.point, direction, near)
+            })
+        })
+    };
+    let hold = |probe: &Probe, sampler: &mut Sampler| {
         let stored = look(solution, &looker, probe);
         let error = (stored - Rgb::splat(radiance)).to_array().map(f64::from);
-        let opposite = Probe {
-            direction: -probe.direction,
-            ..*probe
-        };
-        let is_dark = stored.is_black() || look(solution, &looker, &opposite).is_black();
+        let is_dark = stored.is_black()
+            || is_black(probe.eye, -probe.direction, 0.0)
+            || sees_dark(probe, sampler);
         (!is_dark).then(|| Met {
             material: probe.material,
             weight: 1.0,
@@ -177,10 +195,17 @@ fn hold_all(
 
 /// The solution's radiance at a probe, emission included.
 fn look(solution: &Solution, looker: &Looker<'_>, probe: &Probe) -> Rgb {
-    let direction = probe.direction.as_dvec3();
-    let seen = looker.look(probe.eye, direction, 0.0, |vertex, meeting| {
-        meeting.shaded(solution, vertex)
-    });
+    looked(solution, looker, probe.eye, probe.direction, 0.0)
+}
+
+/// The solution's radiance from `eye` along `direction`, of what is not nearer than `near`.
+fn looked(solution: &Solution, looker: &Looker<'_>, eye: Vec3, direction: Vec3, near: f32) -> Rgb {
+    let seen = looker.look(
+        eye,
+        direction.as_dvec3(),
+        f64::from(near),
+        |vertex, meeting| meeting.shaded(solution, vertex),
+    );
     Rgb::from(seen.map(|channel| channel as f32))
 }
 
@@ -191,6 +216,7 @@ fn hold(stored: Rgb, tracer: &PathTracer, probe: &Probe, sampler: &mut Sampler) 
         direction,
         material,
         weight,
+        ..
     } = *probe;
     let stored = stored - tracer.emitted(eye, direction);
     let truth = [(); 2].map(|()| tracer.reflected(eye, direction, sampler));

@@ -20,6 +20,10 @@ pub struct Probe {
     pub eye: Vec3,
     /// From there to it, unit.
     pub direction: Vec3,
+    /// The point [m].
+    pub point: Vec3,
+    /// Of the side that is seen, unit.
+    pub normal: Vec3,
     /// Material at the point.
     pub material: u32,
     /// What it counts for; of what cannot be seen, nothing. At most 4, 1 in the mean.
@@ -171,6 +175,8 @@ impl<'a> Probes<'a> {
         Some(Probe {
             eye: frame.position(point + out * distance),
             direction: -out,
+            point: frame.position(point),
+            normal,
             material: triangle.material,
             weight: weight * side.weight,
         })
