@@ -1,6 +1,6 @@
 //! Irradiance of diffuse leaves, added up from iteration to iteration: what they have reflected needs no samples again.
 
-use crate::hierarchy::{Hierarchy, NONE, NodeId};
+use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 
 /// Irradiance per node. A leaf that is split leaves its own to its parts: links found that its light is as even as it has
@@ -16,8 +16,8 @@ impl Collected {
         // Children have larger numbers than their parents.
         for id in self.irradiance.len()..irradiance.len() {
             let parent = hierarchy.node(id as NodeId).parent;
+            // The root has none, and no node has that number.
             let before = self.irradiance.get(parent as usize).copied();
-            let before = before.filter(|_| parent != NONE);
             self.irradiance.push(before.unwrap_or(Rgb::BLACK));
         }
         let pairs = self.irradiance.iter_mut().zip(irradiance);
