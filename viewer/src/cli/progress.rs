@@ -1,4 +1,4 @@
-//! Progress of a solve on the terminal, and Ctrl-C.
+//! Progress of a solve on the terminal, and what ends it early: Ctrl-C, or a request to terminate.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sheen_solver::{Observer, Progress};
@@ -11,14 +11,15 @@ use std::time::{Duration, Instant};
 const STEPS: u64 = 1000;
 /// Without a terminal, a line at most this often.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
-/// Exit status after a second Ctrl-C: 128 + SIGINT.
+/// Exit status after a second request: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
 
 static INTERRUPTS: AtomicU32 = AtomicU32::new(0);
 
-/// From now on the first Ctrl-C ends a solve early and keeps what it has; the second ends the process.
+/// From now on the first Ctrl-C or request to terminate (SIGTERM, SIGHUP) ends a solve early and keeps what it has; the
+/// second ends the process.
 pub(super) fn catch_interrupts() {
-    // A handler that cannot be set leaves Ctrl-C as it was: it ends the process.
+    // A handler that cannot be set leaves signals as they were: they end the process.
     let _ = ctrlc::set_handler(|| {
         if INTERRUPTS.fetch_add(1, Ordering::Relaxed) > 0 {
             std::process::exit(INTERRUPTED);
@@ -26,7 +27,7 @@ pub(super) fn catch_interrupts() {
     });
 }
 
-/// True after a Ctrl-C.
+/// True after such a request.
 pub(super) fn is_interrupted() -> bool {
     INTERRUPTS.load(Ordering::Relaxed) > 0
 }
