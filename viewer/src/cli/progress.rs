@@ -11,17 +11,21 @@ use std::time::{Duration, Instant};
 const STEPS: u64 = 1000;
 /// Without a terminal, a line at most this often.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
-/// Exit status after a second request: 128 + SIGINT.
+/// Exit status after a request that ends the process: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
 
 static INTERRUPTS: AtomicU32 = AtomicU32::new(0);
 
+/// Observers that will end what they watch.
+static WATCHERS: AtomicU32 = AtomicU32::new(0);
+
 /// From now on the first Ctrl-C or request to terminate (SIGTERM, SIGHUP) ends a solve early and keeps what it has; the
-/// second ends the process.
+/// second, or the first where nothing is watched, such as in a window, ends the process.
 pub(super) fn catch_interrupts() {
     // A handler that cannot be set leaves signals as they were: they end the process.
     let _ = ctrlc::set_handler(|| {
-        if INTERRUPTS.fetch_add(1, Ordering::Relaxed) > 0 {
+        let is_first = INTERRUPTS.fetch_add(1, Ordering::Relaxed) == 0;
+        if !is_first || WATCHERS.load(Ordering::Relaxed) == 0 {
             std::process::exit(INTERRUPTED);
         }
     });
@@ -45,6 +49,7 @@ pub(super) struct TerminalObserver {
 
 impl TerminalObserver {
     pub(super) fn new() -> Self {
+        WATCHERS.fetch_add(1, Ordering::Relaxed);
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar =
                 ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
@@ -82,6 +87,12 @@ impl TerminalObserver {
         } else {
             format!("{elapsed:.0} s")
         }
+    }
+}
+
+impl Drop for TerminalObserver {
+    fn drop(&mut self) {
+        WATCHERS.fetch_sub(1, Ordering::Relaxed);
     }
 }
 

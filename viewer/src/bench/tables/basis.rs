@@ -42,8 +42,8 @@ struct Row {
     error: f64,
 }
 
-/// Measures the `case`, which is [`GLOSSY_ROOM`]. The uniform basis has its levels, the adaptive one also ε. Errors are those of its picture against a solution on the adaptive basis
-/// at level 7. Cells of both bases are counted as the paper does, as triangles.
+/// Measures the `case`, which is [`GLOSSY_ROOM`]. The uniform basis has its levels, the adaptive one also ε. Errors are
+/// those of its picture against a solution on the adaptive basis at level 7. Cells of both bases are counted as the paper does, as triangles.
 pub fn basis(case: &Case, observer: &mut dyn Observer) -> Result<(Table, Sheet), TablesError> {
     let mut table = Table::new(
         "basis",
