@@ -132,6 +132,29 @@ impl FromStr for Refiner {
     }
 }
 
+/// Rays along each axis of the stratification of a link's visibility; their square is cast.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strata {
+    /// As many on every link.
+    Even(u32),
+    /// As many on a link that carries as much light as links may be wrong by. Its variance is as the square of its light
+    /// over its rays: of all ways to share out rays, numbers in proportion to light have the least sum of variances.
+    Graded(u32),
+}
+
+impl Strata {
+    /// The most along an axis when graded: means of more rays are not corrected.
+    const MOST: u32 = 6;
+
+    /// Of a link that carries `light` times what links may be wrong by.
+    pub fn along(self, light: f32) -> u32 {
+        match self {
+            Self::Even(side) => side,
+            Self::Graded(side) => ((side as f32 * light.sqrt()).ceil() as u32).clamp(1, Self::MOST),
+        }
+    }
+}
+
 /// How links find what stands between their ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Visibility {
@@ -184,10 +207,8 @@ pub struct Settings {
     pub link_irradiance: f32,
     /// Elements with a smaller radius are not split by links; scene size 1.
     pub min_radius: f32,
-    /// Stratification of an important link's visibility: its square is cast.
-    pub strata: u32,
-    /// The same of links so weak that they need not be looked at closely.
-    pub weak_strata: u32,
+    /// Visibility rays of a link.
+    pub strata: Strata,
     /// ε of the directional refiner (§4.2). Smaller: more cells.
     pub epsilon: f32,
     /// The same in transport, where light is averaged over receivers.
@@ -239,8 +260,7 @@ impl Settings {
             link_tolerance: knob(4e-4, 1.5e-5) * beyond_default(0.72),
             link_irradiance: knob(1.0, 0.2),
             min_radius: knob(1.0 / 24.0, 1.0 / 192.0),
-            strata: step([2, 2, 3, 4]),
-            weak_strata: 2,
+            strata: Strata::Graded(step([3, 3, 3, 4])),
             epsilon: knob(0.7, 0.05),
             transport_epsilon: knob(1.5, 0.1),
             cluster_epsilon: knob(1.5, 0.2),
@@ -257,5 +277,41 @@ impl Settings {
             max_edge: knob(1.0 / 6.0, 1.0 / 32.0),
             min_edge: knob(1.0 / 32.0, 1.0 / 256.0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::hash::unit;
+
+    #[test]
+    fn graded_rays_are_worth_more_than_even_ones() {
+        // Light of links as solves find it: most far below what they may be wrong by.
+        let lights: Vec<f32> = (0..10_000)
+            .map(|i| (-6.0 + 6.5 * unit(i, 1)).exp2())
+            .collect();
+        // Rays times variance: half as much is as good with half as many rays.
+        let cost = |strata: Strata| {
+            let (mut rays, mut variance) = (0.0, 0.0);
+            for &light in &lights {
+                let count = f64::from(strata.along(light).pow(2));
+                rays += count;
+                variance += f64::from(light * light) / count;
+            }
+            rays * variance
+        };
+        let (graded, even) = (cost(Strata::Graded(3)), cost(Strata::Even(2)));
+        assert!(graded < 0.6 * even, "{graded} {even}");
+        assert!((cost(Strata::Even(3)) / even - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn rays_of_a_link_are_few_and_not_none() {
+        for light in [0.0, 1e-30, 1.0, 1e30, f32::INFINITY] {
+            assert!((1..=6).contains(&Strata::Graded(3).along(light)));
+            assert_eq!(Strata::Even(16).along(light), 16);
+        }
+        assert_eq!(Strata::Graded(3).along(1.0), 3);
     }
 }

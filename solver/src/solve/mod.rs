@@ -12,7 +12,7 @@ mod series;
 mod shooting;
 mod watch;
 
-use crate::config::{Basis, Method, Quality, Refiner, Scheme, Settings, Visibility};
+use crate::config::{Basis, Method, Quality, Refiner, Scheme, Settings, Strata, Visibility};
 use crate::error::SolveError;
 use crate::export;
 use crate::scene::Scene;
@@ -159,7 +159,7 @@ impl SolveConfig {
                 f64::from(strata),
                 "within 1..16",
             )?;
-            (settings.strata, settings.weak_strata) = (strata, strata);
+            settings.strata = Strata::Even(strata);
             settings.vertex_strata = strata;
         }
         settings.gather = self.gather.unwrap_or(settings.gather);

@@ -161,7 +161,6 @@ impl Propagation<'_> {
     }
 
     fn connect_by_rays(&self, link: &Link<'_>, stats: &mut LinkStats) -> Connection {
-        let strong = link.bounds.high > link.limit;
         let rays = Rays {
             occluders: self.environment.occluders,
             exitant: self.exitant,
@@ -171,12 +170,8 @@ impl Propagation<'_> {
             receiver: link.receiver,
             sender: link.sender,
         };
-        let strata = if strong {
-            self.accuracy.strata
-        } else {
-            self.accuracy.weak_strata
-        };
-        let seen = rays.strata(strata, stats);
+        let side = self.accuracy.strata.along(link.bounds.high / link.limit);
+        let seen = rays.strata(side, stats);
         if seen.is_mixed() && link.bounds.high > MIXED_RAYS * link.limit && self.is_refinable(link)
         {
             return Connection::Mixed;

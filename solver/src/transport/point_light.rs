@@ -36,7 +36,7 @@ impl Propagation<'_> {
         if distance == 0.0 {
             return;
         }
-        let side = self.accuracy.strata;
+        let side = self.accuracy.strata.along(1.0);
         let (mut sum, mut weights, mut vector) = (Rgb::BLACK, 0.0, Vec3::ZERO);
         let (mut least, mut most) = (f32::INFINITY, 0.0f32);
         for ray in 0..side * side {

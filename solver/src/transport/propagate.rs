@@ -5,7 +5,7 @@
 //! Cost: a bound per link visited, rays per link accepted.
 
 use crate::brdf::Lobe;
-use crate::config::Visibility;
+use crate::config::{Strata, Visibility};
 use crate::geometry::Polygon;
 use crate::hierarchy::contact::Reach;
 use crate::hierarchy::detail::Detail;
@@ -54,10 +54,8 @@ pub struct Accuracy {
     pub most_irradiance: f32,
     /// Elements with a smaller radius are not split, times [`Detail::at`] their place.
     pub min_radius: f32,
-    /// Rays along each axis of the stratification of an important link; their square is cast.
-    pub strata: u32,
-    /// The same of a weak one.
-    pub weak_strata: u32,
+    /// Visibility rays of a link.
+    pub strata: Strata,
     /// How what stands in between is found.
     pub visibility: Visibility,
 }

@@ -71,8 +71,8 @@ impl Rays<'_> {
         let all = side * side;
         let at = |i: u32, salt: u32| {
             let jitter = |axis: u32| {
-                // One ray goes through the middle; more are spread within their strata.
-                if all == 1 {
+                // To a vertex one ray goes through the middle; others are spread within their strata.
+                if all == 1 && self.receiver_node == NONE {
                     0.5
                 } else {
                     0.02 + 0.96 * hash::unit(seed.wrapping_add(ray), salt + axis)

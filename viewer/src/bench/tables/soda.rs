@@ -93,7 +93,7 @@ struct Row {
     error: f64,
 }
 
-/// Rays of a solve with shafts and without, where each link has as many. Errors are those of the picture against one
+/// Rays of a solve with shafts, and without: graded by what links carry, and as many on each link. Errors are those of the picture against one
 /// whose links, found in the same way, had very many rays: what is left is the noise of visibility.
 pub fn visibility(case: &Case, observer: &mut dyn Observer) -> Result<Table, TablesError> {
     let mut table = Table::new(
@@ -116,9 +116,10 @@ pub fn visibility(case: &Case, observer: &mut dyn Observer) -> Result<Table, Tab
     };
     let picture = |run: &Run| ways::cpu::render(&run.solution, &case.view, ways::ACROSS);
     let mut rows = Vec::new();
+    let alone: Vec<Option<u32>> = [None].into_iter().chain(STRATA.map(Some)).collect();
     'all: for (name, visibility, tried) in [
         ("shafts", Visibility::Shafts, &[None][..]),
-        ("rays", Visibility::Rays, &STRATA.map(Some)),
+        ("rays", Visibility::Rays, &alone),
     ] {
         let most = config(visibility, Some(MOST_STRATA));
         let Some(reference) = run(case, &most, observer)? else {
@@ -134,7 +135,7 @@ pub fn visibility(case: &Case, observer: &mut dyn Observer) -> Result<Table, Tab
             let rays = solve.rays as f64;
             let on_a_link = match strata {
                 Some(strata) => Value::Count(u64::from(strata * strata)),
-                None => Value::Text("4 or 9".to_owned()),
+                None => Value::Text("graded".to_owned()),
             };
             table.rows.push(vec![
                 Value::Text(name.to_owned()),
@@ -145,7 +146,10 @@ pub fn visibility(case: &Case, observer: &mut dyn Observer) -> Result<Table, Tab
                 Value::Fixed(run.seconds, 2),
                 Value::Fixed(error, 6),
             ]);
-            rows.push(Row { rays, error });
+            let is_plain = strata.is_some();
+            if is_plain || visibility == Visibility::Shafts {
+                rows.push(Row { rays, error });
+            }
         }
     }
     table.notes.extend(equal_error(&rows));
@@ -158,13 +162,13 @@ fn equal_error(rows: &[Row]) -> Option<String> {
     let no_worse = plain.iter().filter(|row| row.error <= shafts.error);
     let text = match no_worse.min_by(|a, b| a.rays.total_cmp(&b.rays)) {
         Some(row) => format!(
-            "Rays alone take {:.2} times as many for no larger an error.",
+            "Rays alone, as many on each link, take {:.2} times as many for no larger an error.",
             row.rays / shafts.rays
         ),
         None => {
             let most = plain.iter().max_by(|a, b| a.rays.total_cmp(&b.rays))?;
             format!(
-                "Rays alone have a larger error with {:.2} times as many.",
+                "Rays alone, as many on each link, have a larger error with {:.2} times as many.",
                 most.rays / shafts.rays
             )
         }
