@@ -137,20 +137,24 @@ impl FromStr for Refiner {
 pub enum Strata {
     /// As many on every link.
     Even(u32),
-    /// As many on a link that carries as much light as links may be wrong by. Its variance is as the square of its light
-    /// over its rays: of all ways to share out rays, numbers in proportion to light have the least sum of variances.
+    /// As many on a link that carries as much light as links may be wrong by, squares in proportion to light on others.
+    /// The variance of a link is as the square of its light over its rays: of all ways to share out rays this has the
+    /// least sum of variances.
     Graded(u32),
 }
 
 impl Strata {
-    /// The most along an axis when graded: means of more rays are not corrected.
-    const MOST: u32 = 6;
+    /// Least and most along an axis when graded: a single ray of a weak link may decide what a glossy surface shows in
+    /// some direction, and means of more rays than these are not corrected.
+    const GRADES: (u32, u32) = (2, 6);
 
     /// Of a link that carries `light` times what links may be wrong by.
     pub fn along(self, light: f32) -> u32 {
         match self {
             Self::Even(side) => side,
-            Self::Graded(side) => ((side as f32 * light.sqrt()).ceil() as u32).clamp(1, Self::MOST),
+            Self::Graded(side) => {
+                ((side as f32 * light.sqrt()).ceil() as u32).clamp(Self::GRADES.0, Self::GRADES.1)
+            }
         }
     }
 }
@@ -309,7 +313,7 @@ mod tests {
     #[test]
     fn rays_of_a_link_are_few_and_not_none() {
         for light in [0.0, 1e-30, 1.0, 1e30, f32::INFINITY] {
-            assert!((1..=6).contains(&Strata::Graded(3).along(light)));
+            assert!((2..=6).contains(&Strata::Graded(3).along(light)));
             assert_eq!(Strata::Even(16).along(light), 16);
         }
         assert_eq!(Strata::Graded(3).along(1.0), 3);

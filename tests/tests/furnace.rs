@@ -15,6 +15,9 @@ use std::f64::consts::PI;
 /// What a furnace must show, in every pixel.
 const FURNACE: f64 = 0.01;
 
+/// The same with directions, in the root mean square: lobes that are not closed miss it on the sphere.
+const DIRECTIONAL: f64 = 0.005;
+
 /// Every surface emits 1 and reflects 0.5: radiance 1 / (1 - 0.5) everywhere.
 fn assert_two_everywhere(name: &str, scene: &Scene) {
     let solution = solve(scene, &SolveConfig::default(), &mut ()).unwrap();
@@ -199,6 +202,6 @@ fn a_directional_furnace_shows_one_radiance() {
             assert!(rms < last, "{name}: {rms} after {last}");
             last = rms;
         }
-        assert!(last < FURNACE, "{name}: {last}");
+        assert!(last < DIRECTIONAL, "{name}: {last}");
     }
 }

@@ -285,12 +285,17 @@ impl<'a> Light<'a> {
             typical: FRAC_1_PI * self.typical_irradiance,
             conserve: false,
         };
+        let dark = lobe.map(|_| {
+            let receiver = Receiver::vertex(place.position, vertex.normal, element.patch);
+            self.gather.dark(hierarchy, &receiver, vertex.normal)
+        });
         let surface = Surface {
             normal: vertex.normal,
             diffuse: self.prepared.diffuse[material],
             lobe,
             compensating: self.emission(element).compensating,
             bend,
+            dark: dark.as_ref(),
         };
         let reflected = reflect(samples, &surface, &config, projector);
         VertexLight {

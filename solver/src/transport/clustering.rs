@@ -36,6 +36,7 @@ impl Surfaces<'_> {
             lobe: self.lobes[material].as_ref(),
             compensating: Rgb::BLACK,
             bend: hierarchy.bend(element),
+            dark: None,
         })
     }
 }

@@ -5,10 +5,12 @@
 //! Cost: a bound and a pyramid per link, rays where much stands in between.
 
 use crate::config::Visibility;
+use crate::geometry::sampling::{about, spread};
 use crate::geometry::{Cone, hash};
 use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::blockers::Blockers;
+use crate::transport::closure::Dark;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::link::{Bounds, Receiver, Sender, SenderId, bounds};
@@ -45,6 +47,9 @@ const CLUSTER: f32 = 4.0;
 
 /// Weight of the shape of a sender that a lobe shows.
 const SHAPE: f32 = 2.0;
+
+/// Rays of a vertex that search for what does not send.
+const DARK_RAYS: u32 = 64;
 
 /// What a gathering reads.
 pub struct Gather<'a> {
@@ -118,7 +123,7 @@ impl Gather<'_> {
                 receiver,
                 sender: &sender,
                 bounds: &bounds,
-                sample: unoccluded_sample(receiver, &sender, self.exitant),
+                sample: self.unoccluded(receiver, &sender),
             };
             let can_refine = sender.can_refine();
             let mut candidates = candidates;
@@ -151,7 +156,7 @@ impl Gather<'_> {
                 blockers.add(seen.blocker);
                 if !seen.is_mixed {
                     stats.links += 1;
-                    samples.extend(sample.through(seen.transmittance));
+                    samples.extend(sample.through(seen.transmittance, seen.open));
                     continue;
                 }
             }
@@ -167,7 +172,7 @@ impl Gather<'_> {
                     Exact::Seen(sample) => {
                         stats.links += 1;
                         stats.clear_shafts += u64::from(candidates.is_none());
-                        samples.extend(sample.through(Rgb::WHITE));
+                        samples.extend(sample.through(Rgb::WHITE, 1.0));
                         continue;
                     }
                     Exact::Uneven => {
@@ -189,7 +194,7 @@ impl Gather<'_> {
                 let seen = rays.few(Few::One, &mut stats);
                 blockers.add(seen.blocker);
                 stats.links += 1;
-                samples.extend(sample.through(seen.transmittance));
+                samples.extend(sample.through(seen.transmittance, seen.open));
                 continue;
             }
             let seen = rays.strata(self.strata, &mut stats);
@@ -201,10 +206,43 @@ impl Gather<'_> {
                 continue;
             }
             stats.links += 1;
-            samples.extend(sample.through(seen.transmittance()));
+            samples.extend(sample.through(seen.transmittance(), seen.open()));
         }
         self.point_lights(receiver, samples, &mut stats);
         stats
+    }
+
+    /// The sample as if nothing stood between; that of a cluster as wide as what it holds seems to be.
+    fn unoccluded(&self, receiver: &Receiver, sender: &Sender) -> Option<IlluminationSample> {
+        let mut sample = unoccluded_sample(receiver, sender, self.exitant)?;
+        if sender.polygon.is_none() {
+            let at = sender.id.node as usize;
+            // Irradiance over the mean radiance of all surfaces is solid angle, π times the square of the spread.
+            let area_per_power = self.exitant.area[at] / self.exitant.power[at];
+            sample.spread = (sample.irradiance.mean() * area_per_power).sqrt().min(1.0);
+        }
+        Some(sample)
+    }
+
+    /// Where a vertex sees nothing that sends: out of the scene, or the side of a patch that light does not reach.
+    pub fn dark(&self, hierarchy: &Hierarchy, receiver: &Receiver, normal: Vec3) -> Dark {
+        let turn = hash::unit(hash::of_point(receiver.centre), DARK_RAYS);
+        let is_dark = |&direction: &Vec3| {
+            let occluders = self.environment.occluders;
+            let hit = occluders.nearest_hit(receiver.centre, direction, receiver.patch);
+            let node = hit.map_or(NONE, |hit| hierarchy.whole(hit.patch, hit.back));
+            node == NONE || self.exitant.peak[node as usize] <= 0.0
+        };
+        let direction = |i: u32| {
+            // The cosine is uniform over a hemisphere.
+            let at = spread(i);
+            about(normal, ((1.0 - at.x * at.x).sqrt(), at.x), at.y + turn)
+        };
+        let directions = (0..DARK_RAYS).map(direction);
+        Dark {
+            directions: directions.filter(is_dark).collect(),
+            tried: DARK_RAYS,
+        }
     }
 
     /// What a vertex sees of an element past what stands before it: `sample`, or a part of it.

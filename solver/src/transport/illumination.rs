@@ -55,9 +55,15 @@ impl IlluminationSample {
         }
     }
 
-    /// What of it arrives through what stands in between, if anything does.
-    pub(super) fn through(mut self, transmittance: Rgb) -> Option<Self> {
+    /// Solid angle of what sends it [sr].
+    pub(super) fn solid_angle(&self) -> f32 {
+        PI * self.spread * self.spread
+    }
+
+    /// What of it arrives through what stands in between, if anything does; nothing opaque hides the share `open`.
+    pub(super) fn through(mut self, transmittance: Rgb, open: f32) -> Option<Self> {
         self.irradiance = self.irradiance * transmittance;
+        self.spread *= open.sqrt();
         (!self.irradiance.is_black()).then_some(self)
     }
 

@@ -5,8 +5,10 @@
 use crate::brdf::{self, Cosines, Lobe};
 use crate::directional::{Source, octahedron};
 use crate::radiometry::Rgb;
-use crate::transport::illumination::IlluminationSample;
+use crate::transport::closure::{Closure, Dark};
+use crate::transport::merge::Merged;
 use glam::Vec3;
+use std::f32::consts::PI;
 use std::ops::Range;
 
 /// Samples that are evaluated together.
@@ -25,6 +27,8 @@ pub(super) struct Lobes<'a> {
     mirrors: Vec<Mirror>,
     /// Irradiance on the surface times specular colour times the lobe's factor.
     weights: Vec<Rgb>,
+    /// What closes the lobe, if it is to be closed: of each, times the lobe's factor.
+    closures: Option<Vec<Closure>>,
     extents: Vec<Extent>,
     /// Evaluations of the BRDF.
     pub(super) evaluations: u64,
@@ -50,11 +54,13 @@ struct Extent {
 }
 
 impl<'a> Lobes<'a> {
-    /// `samples` at a surface with `normal`, above its horizon; the lobe is widened by each sample's size and by `bend`.
+    /// `samples` at a surface with `normal`, above its horizon; the lobe is widened by each sample's size and by `bend`,
+    /// and closed where all that is `dark` is known.
     pub(super) fn new(
         lobe: &'a Lobe,
         normal: Vec3,
-        samples: &[IlluminationSample],
+        samples: &[Merged],
+        dark: Option<&Dark>,
         bend: f32,
         compensating: Rgb,
     ) -> Self {
@@ -64,30 +70,53 @@ impl<'a> Lobes<'a> {
             compensating: (compensating, lobe.albedo_range().0),
             mirrors: Vec::with_capacity(samples.len()),
             weights: Vec::with_capacity(samples.len()),
+            closures: dark.is_some().then(Vec::new),
             extents: Vec::with_capacity(samples.len()),
             evaluations: 0,
         };
-        for sample in samples {
-            let spread = lobe.spread(sample.spread.hypot(bend));
+        for &Merged { sample, angle } in samples {
             let irradiance = sample.irradiance * sample.direction.dot(normal);
-            let weight = irradiance * lobe.specular * spread.factor;
-            let sine = |cosine: f32| (1.0 - cosine * cosine).max(0.0).sqrt();
-            lobes.mirrors.push(Mirror {
-                direction: brdf::reflect(normal, sample.direction),
-                sharpness: spread.sharpness,
-            });
-            lobes.weights.push(weight);
-            lobes.extents.push(Extent {
-                cutoff: (spread.cutoff, sine(spread.cutoff)),
-                core: (
-                    (0.5 * (1.0 + spread.half)).sqrt(),
-                    (0.5 * (1.0 - spread.half)).sqrt(),
-                ),
-                half: spread.half,
-                peak: weight.max_channel() * spread.peak / spread.factor,
-            });
+            let closure = Closure::of_sender(angle, irradiance);
+            lobes.add(
+                sample.direction,
+                sample.spread.hypot(bend),
+                irradiance,
+                &closure,
+            );
+        }
+        if let Some(dark) = dark {
+            let angle = dark.solid_angle();
+            let spread = (angle / PI).sqrt().hypot(bend);
+            for &direction in &dark.directions {
+                let closure = Closure::of_dark(angle * direction.dot(normal));
+                lobes.add(direction, spread, Rgb::BLACK, &closure);
+            }
         }
         lobes
+    }
+
+    /// Adds what comes from a disc of angular radius `spread` around a direction.
+    fn add(&mut self, direction: Vec3, spread: f32, irradiance: Rgb, closure: &Closure) {
+        let spread = self.lobe.spread(spread);
+        let weight = irradiance * self.lobe.specular * spread.factor;
+        let sine = |cosine: f32| (1.0 - cosine * cosine).max(0.0).sqrt();
+        self.mirrors.push(Mirror {
+            direction: brdf::reflect(self.normal, direction),
+            sharpness: spread.sharpness,
+        });
+        self.weights.push(weight);
+        if let Some(closures) = &mut self.closures {
+            closures.push(closure.times(spread.factor));
+        }
+        self.extents.push(Extent {
+            cutoff: (spread.cutoff, sine(spread.cutoff)),
+            core: (
+                (0.5 * (1.0 + spread.half)).sqrt(),
+                (0.5 * (1.0 - spread.half)).sqrt(),
+            ),
+            half: spread.half,
+            peak: weight.max_channel() * spread.peak / spread.factor,
+        });
     }
 }
 
@@ -105,6 +134,7 @@ impl Source for Lobes<'_> {
         self.evaluations += candidates.len() as u64;
         let (compensating, largest) = self.compensating;
         let mut sum = compensating * (largest - self.lobe.albedo(cos_o));
+        let mut closure = Closure::default();
         let (mut mirror, mut incoming) = ([0.0; LANES], [0.0; LANES]);
         let mut sharpness = [0.0; LANES];
         let mut values = [0.0; LANES];
@@ -126,8 +156,13 @@ impl Source for Lobes<'_> {
             for (&candidate, &value) in chunk.iter().zip(&values) {
                 sum += self.weights[candidate as usize] * value;
             }
+            if let Some(closures) = &self.closures {
+                for (&candidate, &value) in chunk.iter().zip(&values) {
+                    closure.add(&closures[candidate as usize], value);
+                }
+            }
         }
-        sum
+        (sum + closure.missing(self.lobe, cos_o)).max(Rgb::BLACK)
     }
 
     fn narrow(&self, list: &mut Vec<u32>, range: Range<usize>, centre: Vec3, level: usize) {

@@ -14,13 +14,17 @@ const SHARE: f32 = 0.25;
 /// A disc of angular radius s widens a lobe of half-width w to √(w² + this · s²).
 const WIDENING: f32 = 0.35;
 
+/// A sample for others that a lobe cannot tell from it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Merged {
+    pub(super) sample: IlluminationSample,
+    /// Projected solid angle of what sends it [sr].
+    pub(super) angle: f32,
+}
+
 /// Adds up what lobes of `half_width` [rad] about their mirror directions cannot tell apart. What lies below the plane
 /// with `normal` is left out; irradiance on that plane stays what it is.
-pub(super) fn merged(
-    samples: &[IlluminationSample],
-    normal: Vec3,
-    half_width: f32,
-) -> Vec<IlluminationSample> {
+pub(super) fn merged(samples: &[IlluminationSample], normal: Vec3, half_width: f32) -> Vec<Merged> {
     let mut sums: Vec<Sum> = Vec::new();
     let mut known: FxHashMap<[i32; 4], u32> = FxHashMap::default();
     for sample in samples {
@@ -40,7 +44,7 @@ pub(super) fn merged(
         }
         sums[at as usize].add(sample, cosine);
     }
-    sums.iter().filter_map(|sum| sum.sample(normal)).collect()
+    sums.iter().filter_map(|sum| sum.merged(normal)).collect()
 }
 
 #[derive(Clone, Copy, Default)]
@@ -50,6 +54,7 @@ struct Sum {
     /// Its mean over channels, times direction and squared spread.
     direction: Vec3,
     spread: f32,
+    angle: f32,
 }
 
 impl Sum {
@@ -59,16 +64,21 @@ impl Sum {
         self.irradiance += irradiance;
         self.direction += sample.direction * weight;
         self.spread += sample.spread * sample.spread * weight;
+        self.angle += sample.solid_angle() * cosine;
     }
 
-    fn sample(&self, normal: Vec3) -> Option<IlluminationSample> {
+    fn merged(&self, normal: Vec3) -> Option<Merged> {
         let direction = self.direction.try_normalize()?;
         let cosine = direction.dot(normal);
-        (cosine > 0.0).then(|| IlluminationSample {
+        let sample = || IlluminationSample {
             direction,
             irradiance: self.irradiance / cosine,
             spread: (self.spread / self.irradiance.mean()).sqrt(),
             parallax: None,
+        };
+        (cosine > 0.0).then(|| Merged {
+            sample: sample(),
+            angle: self.angle,
         })
     }
 }
@@ -92,11 +102,25 @@ mod tests {
         (0..count).map(sample).collect()
     }
 
+    fn merged_samples(all: &[IlluminationSample], half_width: f32) -> Vec<IlluminationSample> {
+        let few = merged(all, Vec3::Z, half_width).into_iter();
+        few.map(|merged| merged.sample).collect()
+    }
+
+    #[test]
+    fn solid_angles_stay_what_they_are() {
+        let all = samples(3000, 50);
+        let projected = |s: &IlluminationSample| s.solid_angle() * s.direction.z.max(0.0);
+        let wanted: f32 = all.iter().map(projected).sum();
+        let found: f32 = merged(&all, Vec3::Z, 0.1).iter().map(|m| m.angle).sum();
+        assert!((found / wanted - 1.0).abs() < 1e-4, "{found} {wanted}");
+    }
+
     #[test]
     fn irradiance_stays_what_it_is() {
         for half_width in [0.01, 0.1, 0.5] {
             let all = samples(3000, 10);
-            let few = merged(&all, Vec3::Z, half_width);
+            let few = merged_samples(&all, half_width);
             assert!(few.len() < all.len());
             let (found, wanted) = (irradiance(&few, Vec3::Z), irradiance(&all, Vec3::Z));
             for (found, wanted) in found.to_array().into_iter().zip(wanted.to_array()) {
@@ -119,7 +143,7 @@ mod tests {
         for exponent in [5.0f32, 50.0, 500.0] {
             let half_width = 0.5f32.powf(1.0 / exponent).acos();
             let all = samples(4000, 20);
-            let few = merged(&all, Vec3::Z, half_width);
+            let few = merged_samples(&all, half_width);
             for i in 0..50 {
                 let u = |k: u32| unit(i, 40 + k) - 0.5;
                 let towards = Vec3::new(u(0), u(1), 0.4).normalize();
@@ -134,7 +158,7 @@ mod tests {
     fn one_sender_seen_often_is_one_sample() {
         let mut all = samples(1, 70);
         all[0].direction = Vec3::new(0.1, 0.2, 0.9).normalize();
-        let few = merged(&[all[0]; 13], Vec3::Z, 0.05);
+        let few = merged_samples(&[all[0]; 13], 0.05);
         assert_eq!(few.len(), 1);
         assert!((few[0].irradiance.r / (13.0 * all[0].irradiance.r) - 1.0).abs() < 1e-5);
         assert!((few[0].spread - all[0].spread).abs() < 1e-5);

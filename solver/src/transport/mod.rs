@@ -1,6 +1,7 @@
 //! Light from surface to surface: exitant light, links and their bounds, visibility, propagation, reflection, pull.
 
 mod blockers;
+pub mod closure;
 pub mod clustering;
 mod connect;
 pub mod exitant;

@@ -35,6 +35,12 @@ impl Rays<'_> {
         for ray in (0..side * side).filter_map(|ray| self.ray(ray, side, stats)) {
             passage.blocker = ray.blocker.or(passage.blocker);
             passage.plain.add(ray.passed, ray.weight);
+            passage.cast += ray.weight;
+            passage.open += if ray.passed.is_black() {
+                0.0
+            } else {
+                ray.weight
+            };
             // The radiance on a link to a vertex is one.
             let weight = if side > 1 && self.receiver_node != NONE {
                 ray.weight * self.brightness(ray.to, -ray.direction)
@@ -60,7 +66,9 @@ impl Rays<'_> {
             first = first.or(Some(ray.passed));
         }
         let passed = first.unwrap_or(Rgb::BLACK);
-        agreement.transmittance = passed * self.sender.exposed_share(self.exitant);
+        let share = self.sender.exposed_share(self.exitant);
+        agreement.transmittance = passed * share;
+        agreement.open = if passed.is_black() { 0.0 } else { share };
         agreement
     }
 
@@ -71,8 +79,8 @@ impl Rays<'_> {
         let all = side * side;
         let at = |i: u32, salt: u32| {
             let jitter = |axis: u32| {
-                // To a vertex one ray goes through the middle; others are spread within their strata.
-                if all == 1 && self.receiver_node == NONE {
+                // One ray goes through the middle; more are spread within their strata.
+                if all == 1 {
                     0.5
                 } else {
                     0.02 + 0.96 * hash::unit(seed.wrapping_add(ray), salt + axis)
@@ -231,6 +239,8 @@ pub(super) enum Few {
 pub(super) struct Agreement {
     /// Of the first of them.
     pub(super) transmittance: Rgb,
+    /// Share of the sender that nothing opaque hides, if it is the same everywhere.
+    pub(super) open: f32,
     /// The rays differ.
     pub(super) is_mixed: bool,
     /// A patch that hid a ray.
@@ -255,6 +265,9 @@ struct Cast {
 pub(super) struct Passage {
     /// What light can reach of the sender.
     share: f32,
+    /// Weight of all rays, and of those that nothing opaque hid.
+    cast: f32,
+    open: f32,
     mean: RatioMean,
     /// The same without the directions of the sender's radiance.
     plain: RatioMean,
@@ -268,6 +281,15 @@ impl Passage {
     pub(super) fn transmittance(&self) -> Rgb {
         let mean = self.mean.get().or_else(|| self.plain.get());
         mean.unwrap_or(Rgb::BLACK) * self.share
+    }
+
+    /// Share of the sender that nothing opaque hides.
+    pub(super) fn open(&self) -> f32 {
+        if self.cast > 0.0 {
+            self.open / self.cast * self.share
+        } else {
+            0.0
+        }
     }
 
     /// True when rays differ.

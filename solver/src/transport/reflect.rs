@@ -7,6 +7,7 @@ use crate::brdf::Lobe;
 use crate::config::Refiner;
 use crate::directional::{Basis, Projection, ProjectionCost, Projector, Sum, octahedron};
 use crate::radiometry::Rgb;
+use crate::transport::closure::Dark;
 use crate::transport::illumination::IlluminationSample;
 use crate::transport::lobes::Lobes;
 use crate::transport::merge::merged;
@@ -76,6 +77,8 @@ pub struct Surface<'a> {
     pub compensating: Rgb,
     /// Angular radius [rad] over which mirror directions vary within the place, where it is curved.
     pub bend: f32,
+    /// Where nothing sends. `None` where that is not known: the lobe is not closed.
+    pub dark: Option<&'a Dark>,
 }
 
 /// Reflects `samples` at a surface. One BRDF evaluation per sample and direction that it can reach. Source: §3.3, §4.2.
@@ -158,6 +161,7 @@ fn projected(
         lobe,
         compensating,
         bend,
+        dark,
     } = surface;
     let mut irradiance = Rgb::BLACK;
     let mut glossy_exitance = Rgb::BLACK;
@@ -209,7 +213,7 @@ fn projected(
         basis: config.basis,
     };
     let few = merged(samples, normal, lobe.half_width.hypot(bend));
-    let mut source = Lobes::new(lobe, normal, &few, bend, compensating);
+    let mut source = Lobes::new(lobe, normal, &few, dark, bend, compensating);
     out.cost.evaluations = projector.project_only(&mut source, &how);
     out.brdf_evaluations = source.evaluations;
     (out, true)
@@ -270,6 +274,7 @@ mod tests {
                     lobe: Some(&lobe),
                     compensating: Rgb::BLACK,
                     bend: 0.0,
+                    dark: None,
                 },
                 &config,
                 &mut projector,
