@@ -135,6 +135,26 @@ fn radiance_clustering_finds_what_samples_find() {
 }
 
 #[test]
+fn radiance_clustering_keeps_the_light_of_what_is_split_later() {
+    let scene = scenes::own("cornell_box_glossy");
+    for scheme in [Scheme::Gathering, Scheme::Shooting] {
+        let config = SolveConfig {
+            quality: Quality::DRAFT,
+            method: Method::RadianceClustering,
+            scheme,
+            max_level: Some(3),
+            epsilon: Some(1.0),
+            gather: Some(false),
+            ..SolveConfig::default()
+        };
+        let stats = solved(&scene, &config).stats.solve;
+        let known = (stats.absorbed_w + stats.escaped_w + stats.unshot_w) / stats.emitted_w;
+        println!("{scheme:?}: {known} of the power is accounted for");
+        assert!((known - 1.0).abs() < 5e-3, "{scheme:?}: {known}");
+    }
+}
+
+#[test]
 fn radiance_clustering_does_not_depend_on_threads() {
     let scene = corner();
     let with = |threads| {

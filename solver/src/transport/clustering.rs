@@ -124,6 +124,8 @@ impl Reflections {
                     join(own, *new, hierarchy, id as NodeId, sum);
                 }
             });
+        // Leaves that it had light of may have been split since.
+        self.settle(hierarchy);
     }
 
     /// Moves light of what has been split since it arrived to the leaves; the second half of "push".

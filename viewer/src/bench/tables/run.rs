@@ -24,7 +24,7 @@ pub(super) struct Run {
 }
 
 /// Short solves are repeated until they have taken this long [s].
-const LONG_ENOUGH: f64 = 2.0;
+const LONG_ENOUGH: f64 = 10.0;
 /// But not more often than this.
 const MOST: u32 = 7;
 
