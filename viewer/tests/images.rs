@@ -7,11 +7,12 @@ use common::{add_grid, display_differences, empty, gpu, lobe, pack, room};
 use glam::Vec3;
 use sheen_formats::image::Image;
 use sheen_solver::directional::{Basis, Projection, Projector, Source, packed};
-use sheen_solver::{Rgb, Solution};
+use sheen_solver::{Observer, Progress, Rgb, Solution};
 use sheen_viewer::camera::View;
 use sheen_viewer::gpu::Gpu;
 use sheen_viewer::ways::chunks::Limits;
 use sheen_viewer::ways::{Shading, cpu, solution::SolutionRenderer};
+use std::ops::ControlFlow;
 
 fn view(solution: &Solution, change: impl FnOnce(&mut sheen_solver::Camera)) -> View {
     let mut camera = solution.cameras[0].clone();
@@ -126,6 +127,46 @@ fn the_uniform_basis_looks_the_same_on_both() {
         eprintln!("level {level}: mean difference to the adaptive basis {mean:.3}/255");
         assert!(level < 4 || mean < 1.0, "{mean}");
     }
+}
+
+/// Keeps what is reported, and stops after some reports.
+struct Reports {
+    done: Vec<f32>,
+    most: usize,
+}
+
+impl Observer for Reports {
+    fn report(&mut self, progress: &Progress) -> ControlFlow<()> {
+        self.done.push(progress.done);
+        if self.done.len() < self.most {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    }
+}
+
+#[test]
+fn the_processor_reports_its_progress_and_can_be_stopped() {
+    let solution = room();
+    let view = view(&solution, |camera| {
+        (camera.width, camera.height) = (40, 75);
+    });
+    let watched = |most: usize| {
+        let mut reports = Reports {
+            done: Vec::new(),
+            most,
+        };
+        let shading = Shading::default();
+        let image = cpu::render_observed(&solution, &view, 1, shading, &mut reports);
+        (image, reports.done)
+    };
+    let (image, done) = watched(usize::MAX);
+    assert_eq!(image, Some(cpu::render(&solution, &view, 1)));
+    assert!(done.len() > 2 && done.is_sorted(), "{done:?}");
+    assert_eq!(done.last(), Some(&1.0));
+    let (image, done) = watched(2);
+    assert_eq!((image, done.len()), (None, 2));
 }
 
 #[test]

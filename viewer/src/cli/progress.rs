@@ -45,11 +45,21 @@ pub(super) struct TerminalObserver {
     done: f32,
     last_line: Instant,
     phase: &'static str,
+    /// It ends what it watches.
+    is_watching: bool,
 }
 
 impl TerminalObserver {
+    /// Ends what it watches after a request.
     pub(super) fn new() -> Self {
         WATCHERS.fetch_add(1, Ordering::Relaxed);
+        let mut watching = Self::showing();
+        watching.is_watching = true;
+        watching
+    }
+
+    /// Shows progress and ends nothing: a picture that is half done is of no use, and a request ends the process.
+    pub(super) fn showing() -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar =
                 ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
@@ -67,6 +77,7 @@ impl TerminalObserver {
             done: 0.0,
             last_line: Instant::now(),
             phase: "",
+            is_watching: false,
         }
     }
 
@@ -92,7 +103,9 @@ impl TerminalObserver {
 
 impl Drop for TerminalObserver {
     fn drop(&mut self) {
-        WATCHERS.fetch_sub(1, Ordering::Relaxed);
+        if self.is_watching {
+            WATCHERS.fetch_sub(1, Ordering::Relaxed);
+        }
     }
 }
 
@@ -116,7 +129,7 @@ impl Observer for TerminalObserver {
             self.last_line = Instant::now();
         }
         self.phase = progress.phase;
-        if is_interrupted() {
+        if self.is_watching && is_interrupted() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())

@@ -141,13 +141,17 @@ fn from_solution(args: &Args) -> anyhow::Result<Picture> {
     let camera = camera(args, &solution.cameras)?;
     let view =
         View::new(&camera, solution.bounds()).with_context(|| args.input.display().to_string())?;
+    let mut observer = progress::TerminalObserver::showing();
     let rendered = ways::render(
         &solution,
         &view,
         ways::samples_across(spp),
         args.shading,
         args.cpu,
-    );
+        &mut observer,
+    )
+    .context("stopped before there was a picture")?;
+    observer.finish();
     if let Some(reason) = &rendered.fallback {
         note(&format!("{reason}; rendering on the processor instead"));
     }

@@ -1,6 +1,6 @@
 //! `sheen walk SCENE|SOLUTION`
 
-use super::{input, note};
+use super::{input, note, progress};
 use crate::camera::View;
 use crate::script::{HeldKey, Script};
 use crate::window::{self, WindowError};
@@ -75,13 +75,17 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 fn write_picture(solution: &Solution, camera: &Camera, path: &Path) -> anyhow::Result<()> {
     let view = View::new(camera, solution.bounds())?;
+    let mut observer = progress::TerminalObserver::showing();
     let rendered = ways::render(
         solution,
         &view,
         ways::ACROSS,
         ways::Shading::default(),
         false,
-    );
+        &mut observer,
+    )
+    .context("stopped before there was a picture")?;
+    observer.finish();
     if let Some(reason) = &rendered.fallback {
         note(&format!("{reason}; rendering on the processor instead"));
     }

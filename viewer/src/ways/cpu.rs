@@ -10,7 +10,7 @@ use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 use sheen_formats::image::Image;
-use sheen_solver::{Rgb, Solution};
+use sheen_solver::{Observer, Progress, Rgb, Solution};
 use std::time::Duration;
 
 /// Power of two that brings all of `points` within 1 of the origin: the tree's own checks have absolute tolerances.
@@ -233,10 +233,26 @@ pub fn render(solution: &Solution, view: &View, across: u32) -> Image {
     render_with(solution, view, across, Shading::default())
 }
 
-/// Renders `view` of `solution`; a pixel is the mean over `across` × `across` samples at the middles of its cells.
+/// [`render_observed`] by nobody.
+pub fn render_with(solution: &Solution, view: &View, across: u32, shading: Shading) -> Image {
+    let image = render_observed(solution, view, across, shading, &mut ());
+    // Nobody stops it.
+    image.unwrap_or_default()
+}
+
+/// Rows between two reports.
+const BAND: usize = 16;
+
+/// Renders `view` of `solution`; `None` when the observer stops it. A pixel is the mean over `across` × `across` samples at the middles of its cells.
 ///
 /// Cost: one ray per sample, and three evaluations of distributions per sample or one per vertex.
-pub fn render_with(solution: &Solution, view: &View, across: u32, shading: Shading) -> Image {
+pub fn render_observed(
+    solution: &Solution,
+    view: &View,
+    across: u32,
+    shading: Shading,
+    observer: &mut dyn Observer,
+) -> Option<Image> {
     let of_vertices: Vec<Rgb> = match shading {
         Shading::Samples => Vec::new(),
         Shading::Vertices => (0..solution.position.len())
@@ -254,24 +270,35 @@ pub fn render_with(solution: &Solution, view: &View, across: u32, shading: Shadi
         })
     };
     let step = 1.0 / f64::from(across);
-    let pixels = (0..view.width as usize * view.height as usize)
-        .into_par_iter()
-        .map(|index| {
-            let (column, row) = (index % view.width as usize, index / view.width as usize);
-            let mut sum = [0.0; 3];
-            for cell in 0..across * across {
-                let x = column as f64 + (f64::from(cell % across) + 0.5) * step;
-                let y = row as f64 + (f64::from(cell / across) + 0.5) * step;
-                for (total, value) in sum.iter_mut().zip(sample(x, y)) {
-                    *total += value;
-                }
+    let (width, height) = (view.width as usize, view.height as usize);
+    let pixel = |index: usize| {
+        let (column, row) = (index % width, index / width);
+        let mut sum = [0.0; 3];
+        for cell in 0..across * across {
+            let x = column as f64 + (f64::from(cell % across) + 0.5) * step;
+            let y = row as f64 + (f64::from(cell / across) + 0.5) * step;
+            for (total, value) in sum.iter_mut().zip(sample(x, y)) {
+                *total += value;
             }
-            Rgb::from(sum.map(|total: f64| (total * step * step) as f32))
-        })
-        .collect();
-    Image {
+        }
+        Rgb::from(sum.map(|total: f64| (total * step * step) as f32))
+    };
+    let mut pixels = Vec::with_capacity(width * height);
+    for first in (0..height).step_by(BAND) {
+        let rows = first..height.min(first + BAND);
+        let band = (rows.start * width..rows.end * width).into_par_iter();
+        pixels.par_extend(band.map(pixel));
+        let progress = Progress {
+            phase: "picture",
+            done: rows.end as f32 / height as f32,
+        };
+        if observer.report(&progress).is_break() {
+            return None;
+        }
+    }
+    Some(Image {
         width: view.width,
         height: view.height,
         pixels,
-    }
+    })
 }

@@ -8,7 +8,7 @@ pub mod solution;
 use crate::camera::View;
 use crate::gpu::{Gpu, GpuError};
 use sheen_formats::image::Image;
-use sheen_solver::Solution;
+use sheen_solver::{Observer, Solution};
 
 /// Where the light of glossy surfaces is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -31,14 +31,16 @@ pub struct Rendered {
     pub fallback: Option<String>,
 }
 
-/// Renders `view` on a graphics device, or with `cpu`, or where there is no device, on the processor.
+/// Renders `view` on a graphics device, or with `cpu`, or where there is no device, on the processor, which takes its time:
+/// `observer` may watch and stop it, and gets `None`.
 pub fn render(
     solution: &Solution,
     view: &View,
     across: u32,
     shading: Shading,
     cpu: bool,
-) -> Rendered {
+    observer: &mut dyn Observer,
+) -> Option<Rendered> {
     let on_gpu = || -> Result<(Image, String), GpuError> {
         let gpu = Gpu::headless()?;
         let mut renderer =
@@ -51,20 +53,20 @@ pub fn render(
     } else {
         match on_gpu() {
             Ok((image, device)) => {
-                return Rendered {
+                return Some(Rendered {
                     image,
                     device,
                     fallback: None,
-                };
+                });
             }
             Err(error) => Some(error.to_string()),
         }
     };
-    Rendered {
-        image: cpu::render_with(solution, view, across, shading),
+    Some(Rendered {
+        image: cpu::render_observed(solution, view, across, shading, observer)?,
         device: "the processor".to_owned(),
         fallback,
-    }
+    })
 }
 
 /// Samples across and down a pixel of a picture. They stand in rows: what an edge that runs along one covers of a pixel
