@@ -2,8 +2,8 @@
 //!
 //! Samples are discs in place of what sends, and their lobes add up to the albedo only nearly: where everything is
 //! equally bright, a glossy surface would be mottled. How far they miss it is known, as the solid angle of every sample
-//! is. The sum is corrected by that times a radiance that all senders in the lobe have at least: a control variate
-//! (e.g. Veach 1997, §2.5.3), exact where light is even. Nothing is filled where a lobe sees what does not send.
+//! is. The sum is corrected by that times the harmonic mean of the radiance in the lobe, which a lamp does not raise: a
+//! control variate, exact where light is even. Nothing is filled where a lobe sees what does not send.
 
 use crate::brdf::Lobe;
 use crate::radiometry::Rgb;
@@ -64,6 +64,7 @@ impl Closure {
         }
     }
 
+    /// The same of a lobe with a factor.
     pub(super) fn times(mut self, factor: f32) -> Self {
         self.angle *= factor;
         self.over_radiance = self.over_radiance.map(|over| over * factor);

@@ -162,7 +162,10 @@ impl Source for Lobes<'_> {
                 }
             }
         }
-        (sum + closure.missing(self.lobe, cos_o)).max(Rgb::BLACK)
+        if self.closures.is_some() {
+            sum = (sum + closure.missing(self.lobe, cos_o)).max(Rgb::BLACK);
+        }
+        sum
     }
 
     fn narrow(&self, list: &mut Vec<u32>, range: Range<usize>, centre: Vec3, level: usize) {

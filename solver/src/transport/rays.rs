@@ -35,7 +35,6 @@ impl Rays<'_> {
         for ray in (0..side * side).filter_map(|ray| self.ray(ray, side, stats)) {
             passage.blocker = ray.blocker.or(passage.blocker);
             passage.plain.add(ray.passed, ray.weight);
-            passage.cast += ray.weight;
             passage.open += if ray.passed.is_black() {
                 0.0
             } else {
@@ -265,8 +264,7 @@ struct Cast {
 pub(super) struct Passage {
     /// What light can reach of the sender.
     share: f32,
-    /// Weight of all rays, and of those that nothing opaque hid.
-    cast: f32,
+    /// Weight of the rays that nothing opaque hid.
     open: f32,
     mean: RatioMean,
     /// The same without the directions of the sender's radiance.
@@ -285,8 +283,8 @@ impl Passage {
 
     /// Share of the sender that nothing opaque hides.
     pub(super) fn open(&self) -> f32 {
-        if self.cast > 0.0 {
-            self.open / self.cast * self.share
+        if self.plain.weights > 0.0 {
+            self.open / self.plain.weights * self.share
         } else {
             0.0
         }

@@ -243,7 +243,8 @@ pub fn render_with(solution: &Solution, view: &View, across: u32, shading: Shadi
 /// Rows between two reports.
 const BAND: usize = 16;
 
-/// Renders `view` of `solution`; `None` when the observer stops it. A pixel is the mean over `across` × `across` samples at the middles of its cells.
+/// Renders `view` of `solution`; `None` when the observer stops it. A pixel is the mean over `across` × `across` samples
+/// at the middles of its cells.
 ///
 /// Cost: one ray per sample, and three evaluations of distributions per sample or one per vertex.
 pub fn render_observed(

@@ -93,8 +93,9 @@ struct Row {
     error: f64,
 }
 
-/// Rays of a solve with shafts, and without: graded by what links carry, and as many on each link. Errors are those of the picture against one
-/// whose links, found in the same way, had very many rays: what is left is the noise of visibility.
+/// Rays of a solve with shafts, and without: graded by what links carry, and as many on each link. Errors are those of
+/// the picture against one whose links, found in the same way, had very many rays: what is left is the noise of
+/// visibility.
 pub fn visibility(case: &Case, observer: &mut dyn Observer) -> Result<Table, TablesError> {
     let mut table = Table::new(
         "visibility",
