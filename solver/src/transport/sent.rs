@@ -111,16 +111,21 @@ pub(super) fn most_sent(
     let node = sender.id.node as usize;
     exitant.distribution[node].as_ref()?;
     let power = exitant.power[node] * sender.share;
-    let area = match (&receiver.polygon, &sender.polygon) {
-        (Some(shape), _) => shape.vector_area().length(),
+    let over = |area: f32| power / (unoccluded * area);
+    Some(match (&receiver.polygon, &sender.polygon) {
+        (Some(shape), _) => over(shape.vector_area().length()),
         // A cluster's cross-section.
-        (None, Some(_)) if receiver.radius > 0.0 => PI * receiver.radius * receiver.radius,
-        // A vertex: no lobe of what is as large as the sender is brighter over its whole cross-section. A cluster of
-        // senders: its intensity is one for the whole cone of directions between the two.
-        (None, _) => {
-            let reach = receiver.radius + sender.radius;
-            PI * reach * reach
+        (None, Some(_)) if receiver.radius > 0.0 => over(PI * receiver.radius * receiver.radius),
+        // A vertex: no lobe of what is as large as the sender is brighter over its whole cross-section. What has no
+        // lobe is as bright to a vertex right beside it as it is from afar.
+        (None, Some(_)) => {
+            let mean = exitant.power[node] / (PI * exitant.area[node]);
+            over(PI * sender.radius * sender.radius).max(mean)
         }
-    };
-    Some(power / (unoccluded * area))
+        // A cluster of senders: its intensity is one for the whole cone of directions between the two.
+        (None, None) => {
+            let reach = receiver.radius + sender.radius;
+            over(PI * reach * reach)
+        }
+    })
 }
