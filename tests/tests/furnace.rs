@@ -9,7 +9,7 @@ use sheen_solver::{PathTracer, Scene, SolveConfig, solve};
 use sheen_tests::measure::{extremes, front_triangles, mean_radiance, mean_radiance_of};
 use sheen_tests::shared::shared;
 use sheen_tests::{assert_close, images, scenes};
-use sheen_viewer::verify::verify_furnace;
+use sheen_viewer::verify::{Verification, verify_furnace};
 use std::f64::consts::PI;
 
 /// What a furnace must show, in every pixel.
@@ -179,8 +179,8 @@ fn a_room_that_loses_a_thousandth_sums_a_thousand_reflections() {
     }
 }
 
-/// All surfaces of a scene emit what they do not reflect: root mean square and mean of the error over all of them.
-fn directional_furnace(scene: &Scene, quality: Quality) -> (f64, f64) {
+/// All surfaces of a scene emit what they do not reflect: errors over all of them.
+fn directional_furnace(scene: &Scene, quality: Quality, probes: u32) -> Verification {
     let config = SolveConfig {
         quality,
         ..SolveConfig::default()
@@ -188,8 +188,7 @@ fn directional_furnace(scene: &Scene, quality: Quality) -> (f64, f64) {
     let enclosed = enclosed(scene).unwrap();
     let (solution, radiance) = solve_furnace(&enclosed, &config, &mut ()).unwrap();
     let tracer = PathTracer::new(&enclosed);
-    let found = verify_furnace(&solution, radiance, &tracer, 1 << 16, 0, &mut ()).unwrap();
-    (found.all.rms.value, found.all.bias.value)
+    verify_furnace(&solution, radiance, &tracer, probes, 0, &mut ()).unwrap()
 }
 
 #[test]
@@ -197,11 +196,46 @@ fn a_directional_furnace_shows_one_radiance() {
     for name in ["cornell_box", "cornell_box_glossy", "glossy_sphere"] {
         let mut last = f64::INFINITY;
         for quality in [Quality::PREVIEW, Quality::DEFAULT] {
-            let (rms, mean) = directional_furnace(&scenes::own(name), quality);
+            let all = directional_furnace(&scenes::own(name), quality, 1 << 16).all;
+            let (rms, mean) = (all.rms.value, all.bias.value);
             println!("{name}, {quality:?}: {rms:.5} rms, {mean:+.5} in the mean");
             assert!(rms < last, "{name}: {rms} after {last}");
             last = rms;
         }
         assert!(last < DIRECTIONAL, "{name}: {last}");
     }
+}
+
+#[test]
+fn narrow_glossy_strips_are_bright_right_beside_each_other() {
+    // A vertex in the corner between two strips is far closer to the other one than that is long, and it has a lobe.
+    let mut builder = scenes::Builder::new();
+    let wall = builder.lambert("wall", 0.5, 0.0);
+    let lamp = builder.lambert("lamp", 0.0, 5.0);
+    let strip = builder.phong("strip", 0.3, 0.4, 30.0);
+    builder.room(Vec3::ZERO, Vec3::splat(2.0), [wall; 6]);
+    let corner = |x: f32, z: f32| Vec3::new(x, 1.99, z);
+    builder.quad(
+        [
+            corner(0.8, 0.8),
+            corner(1.2, 0.8),
+            corner(1.2, 1.2),
+            corner(0.8, 1.2),
+        ],
+        lamp,
+    );
+    let (along, across, up) = (Vec3::Z * 0.12, Vec3::X * 0.0017, Vec3::Y * 0.0017);
+    for i in 0..40u16 {
+        let (column, row) = (f32::from(i % 8), f32::from(i / 8));
+        let at = Vec3::new(0.6 + 0.1 * column, 0.5 + 0.1 * row, 1.0);
+        builder.quad([at, at + along, at + along + across, at + across], strip);
+        builder.quad([at, at + up, at + up + along, at + along], strip);
+    }
+    let found = directional_furnace(&builder.build(), Quality::DEFAULT, 1 << 20);
+    let of_strips = found.materials.iter().find(|of| of.material == "strip");
+    let errors = &of_strips.expect("strips are met").errors;
+    let (rms, mean, probes) = (errors.rms.value, errors.bias.value, errors.probes);
+    println!("strips: {rms:.5} rms, {mean:+.5} in the mean of {probes} probes");
+    assert!(probes > 200, "{probes}");
+    assert!(rms < 0.02 && mean.abs() < DIRECTIONAL, "{rms}, {mean}");
 }

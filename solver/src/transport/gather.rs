@@ -36,6 +36,9 @@ const WEAK: f32 = 0.3;
 /// Clusters up to this share of the accuracy are opened only where rays differ.
 const WEAK_CLUSTER: f32 = 0.5;
 
+/// Links of this many times the accuracy are never weighed by rays as one: all of them may miss an opening.
+const STRONG: f32 = 2.0;
+
 /// Weight of how far radiance differs over the directions to a vertex: caustics have the shape of what differs.
 const DIRECTIONS: f32 = 4.0;
 
@@ -199,7 +202,7 @@ impl Gather<'_> {
             }
             let seen = rays.strata(self.strata, &mut stats);
             blockers.add(seen.blocker);
-            if seen.is_mixed() && can_refine {
+            if (seen.is_mixed() || strength > STRONG * limit) && can_refine {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))
                 });
