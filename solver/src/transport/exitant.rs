@@ -4,6 +4,7 @@ use crate::directional::packed;
 use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::radiometry::Rgb;
 use glam::Vec3;
+use std::f32::consts::PI;
 
 /// Exitant light per node. An element has radiance L(ω), a cluster radiant intensity I(ω).
 #[derive(Clone, Debug, Default)]
@@ -65,6 +66,11 @@ impl Exitant {
             Some(words) => diffuse + packed::evaluate(words, direction),
             None => diffuse,
         }
+    }
+
+    /// Mean radiance of an element over the cosine-weighted hemisphere [mean over channels, W·sr⁻¹·m⁻²].
+    pub fn mean_radiance(&self, id: NodeId) -> f32 {
+        self.power[id as usize] / (PI * self.area[id as usize])
     }
 
     /// Bounds on [`Self::towards`] within `half_angle` of `axis` [mean over channels].

@@ -8,7 +8,6 @@ use crate::transport::link::{Receiver, Sender};
 use crate::transport::propagate::LinkStats;
 use crate::transport::visibility::{NO_PATCH, Occluders};
 use glam::{Vec2, Vec3};
-use std::f32::consts::PI;
 
 /// Visibility rays of one link, stratified on both ends.
 pub(super) struct Rays<'a> {
@@ -121,8 +120,7 @@ impl Rays<'_> {
         if self.exitant.distribution[at].is_none() || self.exitant.power[at] <= 0.0 {
             return 1.0;
         }
-        let mean = self.exitant.power[at] / (PI * self.exitant.area[at]);
-        self.exitant.towards(id, direction).mean() / mean
+        self.exitant.towards(id, direction).mean() / self.exitant.mean_radiance(id)
     }
 
     /// Both ends of a ray, given where in its strata each lies and a seed: from, to. On clusters a surface is chosen

@@ -30,8 +30,7 @@ pub(super) fn mean_radiance(receiver: &Receiver, sender: &Sender, exitant: &Exit
     let (Some(sending), true) = (&sender.polygon, receiver.radius > 0.0) else {
         return in_the_middle();
     };
-    let mean = exitant.power[id as usize] / (PI * exitant.area[id as usize]);
-    let sharpness = exitant.peak[id as usize] / mean;
+    let sharpness = exitant.peak[id as usize] / exitant.mean_radiance(id);
     let wanted = |reach: f32, squared: f32| PAIRS * sharpness * (reach * reach / squared).min(1.0);
     let pairs = wanted(receiver.radius + sender.radius, offset.length_squared());
     if pairs < 2.0 && offset.dot(sender.normal) > 0.0 {
@@ -119,8 +118,7 @@ pub(super) fn most_sent(
         // A vertex: no lobe of what is as large as the sender is brighter over its whole cross-section. What has no
         // lobe is as bright to a vertex right beside it as it is from afar.
         (None, Some(_)) => {
-            let mean = exitant.power[node] / (PI * exitant.area[node]);
-            over(PI * sender.radius * sender.radius).max(mean)
+            over(PI * sender.radius * sender.radius).max(exitant.mean_radiance(sender.id.node))
         }
         // A cluster of senders: its intensity is one for the whole cone of directions between the two.
         (None, None) => {

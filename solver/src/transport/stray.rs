@@ -62,8 +62,7 @@ impl Propagation<'_> {
                 continue;
             };
             // Radiance over its mean over the cosine-weighted hemisphere.
-            let mean =
-                self.exitant.power[source as usize] / (PI * self.exitant.area[source as usize]);
+            let mean = self.exitant.mean_radiance(source);
             let radiance = self.exitant.towards(source, direction);
             let carried = radiance * (power / (rays as f32 * mean));
             if carried.is_black() {
