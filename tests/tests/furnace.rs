@@ -206,13 +206,13 @@ fn a_directional_furnace_shows_one_radiance() {
     }
 }
 
-#[test]
-fn narrow_glossy_strips_are_bright_right_beside_each_other() {
-    // A vertex in the corner between two strips is far closer to the other one than that is long, and it has a lobe.
+/// A room of 2 m with a lamp below its ceiling, all to be filled with things of the last material.
+fn lit_room(albedo: [f32; 3]) -> (scenes::Builder, u32) {
+    let [diffuse, specular, exponent] = albedo;
     let mut builder = scenes::Builder::new();
     let wall = builder.lambert("wall", 0.5, 0.0);
     let lamp = builder.lambert("lamp", 0.0, 5.0);
-    let strip = builder.phong("strip", 0.3, 0.4, 30.0);
+    let thing = builder.phong("thing", diffuse, specular, exponent);
     builder.room(Vec3::ZERO, Vec3::splat(2.0), [wall; 6]);
     let corner = |x: f32, z: f32| Vec3::new(x, 1.99, z);
     builder.quad(
@@ -224,6 +224,24 @@ fn narrow_glossy_strips_are_bright_right_beside_each_other() {
         ],
         lamp,
     );
+    (builder, thing)
+}
+
+/// Root mean square and mean of the errors of all things in a furnace.
+fn errors_of_things(name: &str, scene: &Scene, probes: u32) -> (f64, f64) {
+    let found = directional_furnace(scene, Quality::DEFAULT, probes);
+    let of_things = found.materials.iter().find(|of| of.material == "thing");
+    let errors = &of_things.expect("things are met").errors;
+    let (rms, mean, probes) = (errors.rms.value, errors.bias.value, errors.probes);
+    println!("{name}: {rms:.5} rms, {mean:+.5} in the mean of {probes} probes");
+    assert!(probes > 200, "{name}: {probes}");
+    (rms, mean)
+}
+
+#[test]
+fn narrow_glossy_strips_are_bright_right_beside_each_other() {
+    // A vertex in the corner between two strips is far closer to the other one than that is long, and it has a lobe.
+    let (mut builder, strip) = lit_room([0.3, 0.4, 30.0]);
     let (along, across, up) = (Vec3::Z * 0.12, Vec3::X * 0.0017, Vec3::Y * 0.0017);
     for i in 0..40u16 {
         let (column, row) = (f32::from(i % 8), f32::from(i / 8));
@@ -231,11 +249,30 @@ fn narrow_glossy_strips_are_bright_right_beside_each_other() {
         builder.quad([at, at + along, at + along + across, at + across], strip);
         builder.quad([at, at + up, at + up + along, at + along], strip);
     }
-    let found = directional_furnace(&builder.build(), Quality::DEFAULT, 1 << 20);
-    let of_strips = found.materials.iter().find(|of| of.material == "strip");
-    let errors = &of_strips.expect("strips are met").errors;
-    let (rms, mean, probes) = (errors.rms.value, errors.bias.value, errors.probes);
-    println!("strips: {rms:.5} rms, {mean:+.5} in the mean of {probes} probes");
-    assert!(probes > 200, "{probes}");
+    let (rms, mean) = errors_of_things("strips", &builder.build(), 1 << 20);
     assert!(rms < 0.02 && mean.abs() < DIRECTIONAL, "{rms}, {mean}");
+}
+
+#[test]
+fn bars_side_by_side_cover_each_other() {
+    // Half of the side of a high bar is inside of the low one beside it, and light does not get there.
+    let (mut builder, bar) = lit_room([0.3, 0.4, 30.0]);
+    for (i, height) in (0u16..).zip([0.015, 0.03, 0.015, 0.03]) {
+        let at = Vec3::new(1.0 + 0.015 * f32::from(i), 0.0, 0.2);
+        builder.block(at, at + Vec3::new(0.015, height, 1.6), bar);
+    }
+    let (rms, mean) = errors_of_things("bars", &builder.build(), 1 << 18);
+    assert!(rms < 0.025 && mean.abs() < DIRECTIONAL, "{rms}, {mean}");
+}
+
+#[test]
+fn a_narrow_gap_is_as_bright_as_the_room() {
+    // Two cupboards 6 mm apart, before a wall and above a floor at the same distance.
+    let (mut builder, cupboard) = lit_room([0.7, 0.1, 550.0]);
+    for left in [0.6, 0.906] {
+        let low = Vec3::new(left, 0.006, 0.006);
+        builder.block(low, low + Vec3::new(0.3, 0.8, 0.6), cupboard);
+    }
+    let (rms, mean) = errors_of_things("cupboards", &builder.build(), 1 << 17);
+    assert!(rms < 0.03 && mean.abs() < FURNACE, "{rms}, {mean}");
 }

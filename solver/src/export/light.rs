@@ -132,6 +132,11 @@ impl<'a> Light<'a> {
         0.13 * self.typical_irradiance + 0.15 * PI * emission
     }
 
+    /// Finds which part of the elements from number `first` on light can reach.
+    pub(super) fn expose(&self, hierarchy: &mut Hierarchy, first: usize) {
+        self.prepared.reach().expose(hierarchy, first);
+    }
+
     /// Irradiance that the transport found at a leaf or, if it has been split since, at what it was part of.
     fn known_irradiance(&self, hierarchy: &Hierarchy, leaf: NodeId) -> f32 {
         let mut at = leaf;

@@ -38,10 +38,14 @@ pub(crate) fn export(
         transported.total.forget_clusters(&hierarchy);
     }
     let light = Light::new(prepared, settings, transported, &environment, &hierarchy);
+    let known = hierarchy.elements.len();
     if gather {
         refine::split_large(prepared, settings, &light, &mut hierarchy);
     }
     refine::balance(&mut hierarchy);
+    if gather {
+        light.expose(&mut hierarchy, known);
+    }
     let mut mesh = Mesh::default();
     mesh.add_corners(&hierarchy);
     let mut lit = Lit::default();

@@ -38,8 +38,13 @@ impl<'a> Place<'a> {
         hierarchy: &'a Hierarchy,
         occluders: &Occluders,
     ) -> Self {
+        let element = |leaf: NodeId| &hierarchy.elements[hierarchy.node(leaf).element as usize];
+        // Beside what stands on a leaf that it covers, a vertex shows what the others see.
+        let is_exposed = |&leaf: &NodeId| !element(leaf).exposed.is_none();
+        let exposed: Vec<NodeId> = around.iter().copied().filter(is_exposed).collect();
+        let around = if exposed.is_empty() { around } else { &exposed };
         let on = |leaf: NodeId, towards: Vec3, share: f32| Self {
-            element: &hierarchy.elements[hierarchy.node(leaf).element as usize],
+            element: element(leaf),
             position: hierarchy.points[vertex.point as usize].lerp(towards, share),
         };
         let centre = |leaf: NodeId| hierarchy.node(leaf).centre;

@@ -136,6 +136,7 @@ pub(super) fn gather_and_split(
             .collect();
         tested.resize(hierarchy.nodes.len(), false);
         centres.resize(hierarchy.nodes.len(), None);
+        let known = hierarchy.elements.len();
         let mut any = false;
         for (element, (split, centre)) in candidates.iter().zip(looked) {
             tested[element.node as usize] = true;
@@ -149,6 +150,7 @@ pub(super) fn gather_and_split(
             return centres;
         }
         balance(hierarchy);
+        light.expose(hierarchy, known);
         mesh.add_corners(hierarchy);
         pass += 1;
     }

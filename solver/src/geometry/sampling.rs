@@ -11,6 +11,18 @@ pub fn spread(index: u32) -> Vec2 {
     Vec2::new(along(0.754_877_666_246_693), along(0.569_840_290_998_053))
 }
 
+/// The same in four dimensions.
+pub fn spread4(index: u32) -> [f32; 4] {
+    // Inverse powers of the root of x⁵ = x + 1.
+    const STEPS: [f64; 4] = [
+        0.856_674_883_854_503,
+        0.733_891_856_627_126,
+        0.628_706_721_037_809,
+        0.538_597_257_223_610,
+    ];
+    STEPS.map(|step| (0.5 + step * f64::from(index)).fract() as f32)
+}
+
 /// The direction about a unit `normal` that belongs to a point of the unit square: evenly spread points make
 /// directions with a density of cosine over π.
 pub fn cosine_direction(normal: Vec3, at: Vec2) -> Vec3 {

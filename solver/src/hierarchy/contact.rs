@@ -21,7 +21,7 @@ const RAYS: u32 = 16;
 /// Tells the numbers that choose lamps from those that choose directions.
 const LAMPS: u32 = 0x006c_616d;
 /// Light that comes along this many lit sides came from outside of what is closed.
-const STEPS: u32 = 5;
+const STEPS: u32 = 12;
 
 /// Where patches are found, and which of their sides can be seen at all.
 #[derive(Clone, Copy)]
@@ -117,14 +117,15 @@ pub struct Reach<'a> {
 }
 
 impl Reach<'_> {
-    /// True when light can reach a point of a lit side: nothing touches that side, or a walk from one lit side to the
-    /// next gets to such a one, or far, or leaves the scene where a lamp is seen.
-    pub fn is_lit_at(&self, at: Meeting, seed: u32) -> bool {
+    /// Whether light can reach a point: where nothing touches a side, it is known. Where something does, it is what a
+    /// walk from one lit side to the next finds, or the lamp that is seen where that leaves the scene. `None` when the
+    /// walk takes more than so many `steps`.
+    pub fn is_lit_at(&self, at: Meeting, seed: u32, steps: u32) -> Option<bool> {
         let mut at = at;
-        for step in 0..STEPS {
+        for step in 0..steps {
             let side = self.sides[at.patch as usize][usize::from(at.back)];
             if !side.lit || !side.touched {
-                return side.lit;
+                return Some(side.lit);
             }
             let normal = self.contacts.normal(at.patch, at.back);
             let unit = |salt: u32| hash::unit(seed, 2 * step + salt);
@@ -132,10 +133,10 @@ impl Reach<'_> {
             match self.contacts.meeting(at.point, direction, at.patch) {
                 Some(next) => at = next,
                 // Out of the scene, where there may be nothing to light it but a lamp.
-                None => return self.sees_lamp(at.point, normal, at.patch, seed, step),
+                None => return Some(self.sees_lamp(at.point, normal, at.patch, seed, step)),
             }
         }
-        true
+        None
     }
 
     /// True when nothing stands between a point of a patch and a lamp; `seed` and `ray` choose which.
@@ -153,13 +154,14 @@ impl Reach<'_> {
         }
     }
 
-    /// True when light can reach a point of an element: a ray of it leaves the scene or gets to where light is.
+    /// True when light can reach a point of an element: a ray of it leaves the scene or gets to where light is. Walks
+    /// that do not end are in a room with things on all of its walls.
     fn is_exposed(&self, point: Vec3, element: &Element) -> bool {
         let (normal, patch) = (element.normal, element.patch);
         let seen = |ray: u32| {
             let direction = cosine_direction(normal, spread(ray));
             match self.contacts.meeting(point, direction, patch) {
-                Some(met) => self.is_lit_at(met, hash::mix(patch, ray)),
+                Some(met) => self.is_lit_at(met, hash::mix(patch, ray), STEPS) != Some(false),
                 None => true,
             }
         };

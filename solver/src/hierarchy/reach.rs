@@ -29,6 +29,8 @@ const INSIDE_SHARE: f32 = 0.75;
 const AIMED_RAYS: u32 = 12;
 /// Sides or places that are looked at between two reports.
 const BATCH: usize = 1 << 15;
+/// Light that comes along more lit sides than this may go around inside of what is closed.
+const STEPS: u32 = 5;
 /// Rays from each point light and each emitter.
 const LAMP_RAYS: u32 = 512;
 
@@ -213,7 +215,10 @@ impl Flood<'_> {
         let reach = self.reach();
         let seen = self.contacts.seen_from_side(patch, back, RAYS);
         let mut lit = seen.into_iter().zip(0..);
-        let lit = lit.find(|&((_, met), ray)| reach.is_lit_at(met, seed_of(patch, back, ray)));
+        let is_lit = |met: Meeting, ray: u32| {
+            reach.is_lit_at(met, seed_of(patch, back, ray), STEPS) == Some(true)
+        };
+        let lit = lit.find(|&((_, met), ray)| is_lit(met, ray));
         lit.map(|((from, _), _)| from)
     }
 
@@ -227,9 +232,8 @@ impl Flood<'_> {
             let sees_target = || {
                 let direction = targets.aim(from, normal, seed, ray)?;
                 let met = self.contacts.meeting(from, direction, patch)?;
-                reach
-                    .is_lit_at(met, seed_of(patch, back, ray))
-                    .then_some(())
+                let is_lit = reach.is_lit_at(met, seed_of(patch, back, ray), STEPS);
+                (is_lit == Some(true)).then_some(())
             };
             let is_lit = reach.sees_lamp(from, normal, patch, seed, ray) || sees_target().is_some();
             is_lit.then_some(from)

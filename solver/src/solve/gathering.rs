@@ -33,7 +33,7 @@ pub(super) fn gather(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result
         let escape = state.escape(true, 1.0);
         // All of it arrives anew.
         state.arrived = Arrived::none(state.settings.method);
-        let mut new = state.propagated(true, emitted, watch, done);
+        let mut new = state.propagated(true, 0, emitted, watch, done);
         new.scale(Rgb::from(correction.to_array().map(|c| c as f32)));
         let before = std::mem::take(&mut state.sent.power);
         let (_, ledger) = state.send(&new, true, emitted);

@@ -101,6 +101,7 @@ pub fn first_links(prepared: &Prepared, settings: &Settings) -> FirstLinks {
             visibility: settings.visibility,
         },
         with_point_lights: true,
+        seed: 0,
         record: true,
     };
     let mut go_on = |_| ControlFlow::Continue(());
@@ -187,10 +188,11 @@ impl<'a> Iteration<'a> {
         lights.iter().map(|l| l.1.to_dvec3() * 4.0 * PI).sum()
     }
 
-    /// Propagates the light that is sent.
+    /// Propagates the light that is sent; `seed` chooses the rays of stray light.
     pub(super) fn propagated(
         &mut self,
         with_point_lights: bool,
+        seed: u32,
         emitted: f64,
         watch: &mut Watch<'_>,
         done: f32,
@@ -211,6 +213,7 @@ impl<'a> Iteration<'a> {
                 visibility: self.settings.visibility,
             },
             with_point_lights,
+            seed,
             record: false,
         };
         let mut new = Arrived::none(self.settings.method);

@@ -30,7 +30,7 @@ pub(super) fn shoot(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result<
         // Each reflection weakens the light: progress goes with the logarithm of what is open.
         let done = 0.5 * (1.0 - (open / goal).ln() / (1.0 / goal).ln()) as f32;
         let escape = state.escape(iteration == 0, mean(sent * factor) / emitted);
-        let mut new = state.propagated(iteration == 0, emitted, watch, done);
+        let mut new = state.propagated(iteration == 0, iteration as u32, emitted, watch, done);
         let (irradiance, reflected) = state.send(&new, false, emitted);
         let _ = watch.report(PHASE, done, state.held() + new.bytes());
         state.stats.solve.iterations = iteration + 1;

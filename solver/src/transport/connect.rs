@@ -38,6 +38,18 @@ pub(super) struct Link<'a> {
 }
 
 impl Link<'_> {
+    /// No point of the receiver gets more than the bound, whatever is known of the part of it that light can reach.
+    fn limit(&self, sample: &mut IlluminationSample) {
+        let cosine = self
+            .receiver
+            .normal
+            .map_or(1.0, |normal| normal.dot(sample.direction));
+        let irradiance = sample.irradiance.mean() * cosine;
+        if irradiance > self.bounds.high {
+            sample.irradiance *= self.bounds.high / irradiance;
+        }
+    }
+
     /// True when neither end is a cluster.
     pub(super) fn is_between_elements(&self) -> bool {
         self.sender.polygon.is_some() && self.receiver.polygon.is_some()
@@ -70,7 +82,14 @@ impl Propagation<'_> {
             Some(polygon) if is_worth_it => self.connect_exactly(link, polygon, stats),
             _ => None,
         };
-        let connection = exact.unwrap_or_else(|| self.connect_by_rays(link, stats));
+        let mut connection = exact.unwrap_or_else(|| self.connect_by_rays(link, stats));
+        if let Connection::Accepted {
+            sample: Some(sample),
+            ..
+        } = &mut connection
+        {
+            link.limit(sample);
+        }
         stats.visibility += started.elapsed();
         connection
     }

@@ -49,7 +49,7 @@ pub(super) fn transfer(sender: &Sender, receiver: &Receiver, kernel: Kernel) -> 
             return at(receiver.centre);
         }
         let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-        receiver.points(shape, is_close(receiver, sender), |point| {
+        receiver.points(shape, u32::from(is_close(receiver, sender)), |point| {
             sum += at(point);
             count += 1.0;
         });
@@ -86,14 +86,14 @@ pub(super) fn is_reciprocal(receiver: &Receiver, sender: &Sender) -> bool {
     sender.radius < receiver.radius && is_close(receiver, sender)
 }
 
-/// Visits the points whose mean stands for a receiver: of close ones, those of its quarters.
-pub(super) fn over_receiver(shape: &Polygon, is_close: bool, mut visit: impl FnMut(Vec3)) {
-    if is_close {
-        for child in 0..4 {
-            shape.child(child).quadrature(&mut visit);
-        }
-    } else {
-        shape.quadrature(visit);
+/// Visits the points whose mean stands for a shape that is quartered so many times.
+pub(super) fn over(shape: &Polygon, quartered: u32, visit: &mut impl FnMut(Vec3)) {
+    if quartered == 0 {
+        shape.quadrature(&mut *visit);
+        return;
+    }
+    for child in 0..4 {
+        over(&shape.child(child), quartered - 1, visit);
     }
 }
 

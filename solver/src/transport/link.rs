@@ -7,7 +7,7 @@ use crate::geometry::Polygon;
 use crate::hierarchy::exposed::Exposed;
 use crate::hierarchy::{Hierarchy, NONE, NodeId};
 use crate::transport::exitant::Exitant;
-use crate::transport::kernel::over_receiver;
+use crate::transport::kernel::over;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -218,14 +218,15 @@ impl Receiver {
         }
     }
 
-    /// Visits points of its polygon that light can reach and whose mean stands for it: many when the sender is close.
-    pub(super) fn points(&self, shape: &Polygon, is_close: bool, mut visit: impl FnMut(Vec3)) {
+    /// Visits points of its polygon that light can reach and whose mean stands for it, with its `shape` quartered so many
+    /// times.
+    pub(super) fn points(&self, shape: &Polygon, quartered: u32, mut visit: impl FnMut(Vec3)) {
         if self.exposed == Exposed::ALL {
-            over_receiver(shape, is_close, visit);
+            over(shape, quartered, &mut visit);
             return;
         }
         let mut is_any = false;
-        over_receiver(shape, is_close, |point| {
+        over(shape, quartered, &mut |point| {
             if let Some(uv) = self.exposed.nearest(shape.uv(point)) {
                 is_any = true;
                 visit(shape.point(uv));

@@ -191,6 +191,8 @@ pub struct Propagation<'a> {
     pub accuracy: Accuracy,
     /// Include the point lights (first iteration only).
     pub with_point_lights: bool,
+    /// Chooses rays of stray light: what some miss in one iteration, others meet in the next.
+    pub seed: u32,
     /// Keep a record of every link.
     pub record: bool,
 }

@@ -5,9 +5,9 @@ use crate::hierarchy::exposed::Exposed;
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
 use crate::transport::illumination::{IlluminationSample, Parallax};
-use crate::transport::kernel::{Kernel, is_close, is_reciprocal, transfer};
+use crate::transport::kernel::{Kernel, is_close, is_reciprocal, over, transfer};
 use crate::transport::link::{Receiver, Sender};
-use crate::transport::sent::{mean_radiance, most_sent};
+use crate::transport::sent::{mean_of_all, mean_radiance, most_sent};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -104,10 +104,13 @@ fn sample(
         && sender.id.is_whole()
         && exitant.centre[node] != sender.centre
         && sender.radius + receiver.radius < SHIFTED * distance;
-    let directed = if directional && sender.polygon.is_some() {
-        mean_radiance(receiver, sender, exitant)
-    } else {
-        Rgb::BLACK
+    // Across a narrow gap each point sees what is opposite, from all around.
+    let is_gap = is_gap(receiver, sender);
+    let in_gap = if is_gap { 2 } else { 0 };
+    let directed = match directional && sender.polygon.is_some() {
+        true if is_gap => mean_of_all(sender, exitant),
+        true => mean_radiance(receiver, sender, exitant),
+        false => Rgb::BLACK,
     };
     // Unit radiance (intensity, of clusters) as a vector that points towards the sender, and what is sent.
     let from_one_point = |point: Vec3| -> (Vec3, Rgb) {
@@ -171,16 +174,13 @@ fn sample(
         (Some(receiving), Some(sending), Some(normal))
             if !directional
                 && is_reciprocal(receiver, sender)
-                && view.map_or(receiver.exposed == Exposed::ALL, |view| {
-                    view.of_receiver.is_some()
-                }) =>
+                && receiver.exposed == Exposed::ALL
+                && view.is_none_or(|view| view.of_receiver.is_some()) =>
         {
             // The mean over the receiver by what a smaller sender sees of it: A_s F_sr = A_r F_rs.
             let per_area = sender.area / receiving.vector_area().length();
             let sent = from_one_point(receiver.centre).1;
-            // What is seen lies on what light can reach.
-            let per_exposed = 1.0 / receiver.exposed.share();
-            sending.quadrature(|point| {
+            over(sending, in_gap, &mut |point| {
                 points += 1;
                 let whole = receiving.vector_irradiance(point, Some(sender.normal));
                 let strength = whole.dot(sender.normal) * per_area;
@@ -201,9 +201,6 @@ fn sample(
                     let seen = part / strength;
                     share = (share.0.min(seen), share.1.max(2.0 * seen.min(1.0 - seen)));
                 }
-                if view.is_some() {
-                    part *= per_exposed;
-                }
                 let cosine = direction.dot(normal);
                 if part > 0.0 && cosine > 0.0 {
                     sum += direction * (part / cosine);
@@ -217,7 +214,8 @@ fn sample(
             if sine < 0.1 && view.is_none() {
                 from_point(receiving.centre());
             } else {
-                receiver.points(receiving, is_close(receiver, sender), from_point);
+                let close = u32::from(is_close(receiver, sender));
+                receiver.points(receiving, close + in_gap, from_point);
             }
         }
     }

@@ -4,7 +4,7 @@
 use crate::geometry::sampling::spread;
 use crate::radiometry::Rgb;
 use crate::transport::exitant::Exitant;
-use crate::transport::kernel::over_receiver;
+use crate::transport::kernel::over;
 use crate::transport::link::{Receiver, Sender};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -50,7 +50,7 @@ pub(super) fn mean_radiance(receiver: &Receiver, sender: &Sender, exitant: &Exit
         }
     };
     if let Some(receiving) = &receiver.polygon {
-        over_receiver(receiving, pairs > QUADRATURE, from_point);
+        over(receiving, u32::from(pairs > QUADRATURE), &mut from_point);
     } else {
         // A cluster is the disc of its radius that faces the sender.
         let (tangent, bitangent) = offset.normalize_or(sender.normal).any_orthonormal_pair();
@@ -65,6 +65,18 @@ pub(super) fn mean_radiance(receiver: &Receiver, sender: &Sender, exitant: &Exit
         sum / weights
     } else {
         in_the_middle()
+    }
+}
+
+/// Mean radiance of an element over the cosine-weighted hemisphere [W·sr⁻¹·m⁻²], of the colour that it has straight
+/// ahead.
+pub(super) fn mean_of_all(sender: &Sender, exitant: &Exitant) -> Rgb {
+    let mean = exitant.mean_radiance(sender.id.node);
+    let ahead = exitant.towards(sender.id.node, sender.normal);
+    if ahead.is_black() {
+        Rgb::splat(mean)
+    } else {
+        ahead * (mean / ahead.mean())
     }
 }
 

@@ -41,19 +41,18 @@ impl Propagation<'_> {
     ) {
         let (hierarchy, sender) = (pair.hierarchy, pair.sender);
         let id = sender.id.node;
-        let seed = hash::mix(hash::mix(id, pair.receiver_node), sender.id.hash());
+        let seed = hash::mix(id, pair.receiver_node) ^ hash::mix(sender.id.hash(), self.seed);
         let power = self.exitant.power[id as usize] * sender.share;
         let rays =
             (MOST_RAYS * power / self.accuracy.tolerance).clamp(LEAST_RAYS, MOST_RAYS) as u32;
         for ray in 0..rays {
-            let seed = hash::mix(seed, ray);
-            let Some(source) = self.pick(hierarchy, id, seed) else {
+            let Some(source) = self.pick(hierarchy, id, hash::mix(seed, ray)) else {
                 continue;
             };
             let Some(element) = hierarchy.element_of(source) else {
                 continue;
             };
-            let Some((from, direction, hit)) = self.ray(pair, element, seed, stats) else {
+            let Some((from, direction, hit)) = self.ray(pair, element, seed, ray, stats) else {
                 continue;
             };
             let met = hierarchy.whole(hit.patch, hit.back);
@@ -101,16 +100,18 @@ impl Propagation<'_> {
         pair: &Pair<'_>,
         element: &Element,
         seed: u32,
+        ray: u32,
         stats: &mut LinkStats,
     ) -> Option<(Vec3, Vec3, Hit)> {
         const TRIES: u32 = 4;
         let part = pair.sender.polygon.filter(|_| !pair.sender.id.is_whole());
         for attempt in 0..TRIES {
-            let unit = |salt: u32| hash::unit(seed, salt + 4 * attempt);
-            let at = Vec2::new(unit(60), unit(61));
+            // The rays of a pair are spread evenly over both.
+            let even = sampling::spread4(ray);
+            let unit = |i: usize| (even[i] + hash::unit(seed, i as u32 + 4 * attempt)).fract();
+            let at = Vec2::new(unit(0), unit(1));
             let from = part.map_or_else(|| element.point(at), |part| part.point(at));
-            let direction =
-                sampling::cosine_direction(element.normal, Vec2::new(unit(62), unit(63)));
+            let direction = sampling::cosine_direction(element.normal, Vec2::new(unit(2), unit(3)));
             stats.rays += 1;
             let occluders = self.environment.occluders;
             let hit = occluders.first_hit(from, direction, element.patch)?;
