@@ -8,7 +8,7 @@ use crate::ways;
 use sheen_solver::config::Visibility;
 use sheen_solver::{Observer, SolveConfig};
 
-/// Links may be wrong by this share of the emitted power: no fewer links and patches than the paper has.
+/// Links may be wrong by this share of the emitted power: no fewer links than the paper has.
 const TOLERANCE: f32 = 6.9e-5;
 
 /// Distributions as coarse as in the paper's other tables; weak light forgets its direction, as always.
