@@ -210,15 +210,16 @@ impl Flood<'_> {
         }
     }
 
+    /// True when light is known to reach a point.
+    fn is_lit_at(&self, at: Meeting, seed: u32) -> bool {
+        self.reach().is_lit_at(at, seed, STEPS) == Some(true)
+    }
+
     /// A place on a side of a patch from which a random ray meets light.
     fn sees_light_by_chance(&self, patch: u32, back: bool) -> Option<Vec3> {
-        let reach = self.reach();
         let seen = self.contacts.seen_from_side(patch, back, RAYS);
         let mut lit = seen.into_iter().zip(0..);
-        let is_lit = |met: Meeting, ray: u32| {
-            reach.is_lit_at(met, seed_of(patch, back, ray), STEPS) == Some(true)
-        };
-        let lit = lit.find(|&((_, met), ray)| is_lit(met, ray));
+        let lit = lit.find(|&((_, met), ray)| self.is_lit_at(met, seed_of(patch, back, ray)));
         lit.map(|((from, _), _)| from)
     }
 
@@ -232,8 +233,7 @@ impl Flood<'_> {
             let sees_target = || {
                 let direction = targets.aim(from, normal, seed, ray)?;
                 let met = self.contacts.meeting(from, direction, patch)?;
-                let is_lit = reach.is_lit_at(met, seed_of(patch, back, ray), STEPS);
-                (is_lit == Some(true)).then_some(())
+                self.is_lit_at(met, seed_of(patch, back, ray)).then_some(())
             };
             let is_lit = reach.sees_lamp(from, normal, patch, seed, ray) || sees_target().is_some();
             is_lit.then_some(from)

@@ -39,7 +39,7 @@ pub(super) struct Link<'a> {
 
 impl Link<'_> {
     /// No point of the receiver gets more than the bound, whatever is known of the part of it that light can reach.
-    fn limit(&self, sample: &mut IlluminationSample) {
+    fn keep_below_bound(&self, sample: &mut IlluminationSample) {
         let cosine = self
             .receiver
             .normal
@@ -88,7 +88,7 @@ impl Propagation<'_> {
             ..
         } = &mut connection
         {
-            link.limit(sample);
+            link.keep_below_bound(sample);
         }
         stats.visibility += started.elapsed();
         connection

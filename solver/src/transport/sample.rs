@@ -252,7 +252,9 @@ fn sample(
         spread,
         parallax: None,
     };
-    sample.parallax = parallax(receiver, sender, &sample);
+    if !is_gap {
+        sample.parallax = parallax(receiver, sender, &sample);
+    }
     Some(Seen {
         sample: Some(sample),
         contrast,
@@ -269,7 +271,8 @@ fn shift(sender: &Sender, from: Vec3, point: Vec3) -> Vec3 {
     (kernel(from) - kernel(sender.centre)) * sender.area
 }
 
-/// How the sample changes over an element; `None` where nothing is known of that.
+/// How the sample changes over an element that is not beside the sender across a narrow gap; `None` where nothing is
+/// known of that.
 fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -> Option<Parallax> {
     let normal = receiver.normal?;
     receiver.polygon?;
@@ -282,7 +285,7 @@ fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -
     }
     let kernel = Kernel::of(sender, receiver);
     let mean = transfer(sender, receiver, kernel).dot(normal);
-    if mean <= 0.0 || is_gap(receiver, sender) {
+    if mean <= 0.0 {
         return None;
     }
     Some(Parallax {
