@@ -23,9 +23,6 @@ impl Source for Linear {
     fn candidate_count(&self) -> u32 {
         0
     }
-    fn hidden_peak(&self, _: &[u32], _: Vec3, _: usize) -> f32 {
-        0.0
-    }
 }
 
 #[test]

@@ -83,9 +83,6 @@ fn on_uniform_basis(mut solution: Solution, level: u32) -> Solution {
         fn candidate_count(&self) -> u32 {
             0
         }
-        fn hidden_peak(&self, _: &[u32], _: Vec3, _: usize) -> f32 {
-            0.0
-        }
     }
     let how = Projection {
         min_level: level,

@@ -6,7 +6,7 @@
 //! the range only where it hides a fold. Neighbouring cells differ by at most one level, and a corner that hangs in the middle of a
 //! larger neighbour's edge takes the mean of that edge's ends: linear interpolation is continuous. What the corners
 //! hold in the end is `fit`'s.
-//! Cost: one evaluation of the function per corner and per centre of a cell.
+//! Cost: one evaluation of the function per corner and per centre of a cell, and one where a peak may hide in it.
 
 use super::octahedron;
 use super::tree::{AXES, Tree};
@@ -32,9 +32,27 @@ pub trait Source {
     /// All candidates.
     fn candidate_count(&self) -> u32;
 
-    /// A value that the function may reach in the cell around `centre` with these candidates although no sample shows it: cells much
-    /// larger than the sharpest feature are split while this matters. Zero for sources that know no bound.
-    fn hidden_peak(&self, candidates: &[u32], centre: Vec3, level: usize) -> f32;
+    /// A peak that may hide in the cell around `_centre` with these candidates, between its corners and its centre: cells
+    /// much larger than the sharpest feature are split while it matters. `None` when none can be higher than `_least`
+    /// [largest channel], and for sources that know of none.
+    fn hidden_peak(
+        &self,
+        _candidates: &[u32],
+        _centre: Vec3,
+        _level: usize,
+        _least: f32,
+    ) -> Option<Peak> {
+        None
+    }
+}
+
+/// A peak that a source knows of.
+#[derive(Clone, Copy, Debug)]
+pub struct Peak {
+    /// Where it is, unit.
+    pub direction: Vec3,
+    /// The function is at least this high there [largest channel].
+    pub height: f32,
 }
 
 /// How finely to project.
@@ -197,7 +215,6 @@ impl Projector {
         let (start, end) = self.candidates_of[index as usize];
         let middle = octahedron::centre(self.tree.corners(&cell));
         let candidates = &self.candidates[start as usize..end as usize];
-        let hidden = source.hidden_peak(candidates, middle, level as usize);
         let centre = source.eval(candidates, middle);
         self.evaluations += 1;
         self.centres[index as usize] = Some(centre);
@@ -207,7 +224,18 @@ impl Projector {
         let deviation = (centre - mean).max(mean - centre).max_channel();
         let range = (largest - smallest).max_channel() * RANGE_WEIGHT;
         let reference = how.floor + if how.relative { centre.mean() } else { 0.0 };
-        deviation.max(range).max(hidden) > how.epsilon * reference
+        let most = how.epsilon * reference;
+        if deviation.max(range) > most {
+            return true;
+        }
+        let Some(peak) = source.hidden_peak(candidates, middle, level as usize, most) else {
+            return false;
+        };
+        if peak.height > most {
+            return true;
+        }
+        self.evaluations += 1;
+        (source.eval(candidates, peak.direction) - mean).max_channel() > most
     }
 
     /// Splits a leaf; returns its first child.
@@ -256,9 +284,6 @@ pub(super) mod tests {
         fn narrow(&self, _: &mut Vec<u32>, _: std::ops::Range<usize>, _: Vec3, _: usize) {}
         fn candidate_count(&self) -> u32 {
             0
-        }
-        fn hidden_peak(&self, _: &[u32], _: Vec3, _: usize) -> f32 {
-            0.0
         }
     }
 

@@ -9,5 +9,5 @@ mod sum;
 mod tree;
 pub mod uniform;
 
-pub use haar::{Basis, Projection, ProjectionCost, Projector, Source};
+pub use haar::{Basis, Peak, Projection, ProjectionCost, Projector, Source};
 pub use sum::Sum;

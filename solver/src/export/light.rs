@@ -419,7 +419,4 @@ impl Source for Mean<'_> {
     fn candidate_count(&self) -> u32 {
         0
     }
-    fn hidden_peak(&self, _: &[u32], _: Vec3, _: usize) -> f32 {
-        0.0
-    }
 }

@@ -3,7 +3,7 @@
 //! Structure of arrays: a cell's samples are evaluated together as vector code.
 
 use crate::brdf::{self, Cosines, Lobe};
-use crate::directional::{Source, octahedron};
+use crate::directional::{Peak, Source, octahedron};
 use crate::radiometry::Rgb;
 use crate::transport::closure::{Closure, Dark};
 use crate::transport::merge::Merged;
@@ -49,7 +49,7 @@ struct Extent {
     core: (f32, f32),
     /// Cosine of the half-width.
     half: f32,
-    /// Its largest value.
+    /// Its value where it points.
     peak: f32,
 }
 
@@ -100,6 +100,15 @@ impl<'a> Lobes<'a> {
         let spread = self.lobe.spread(spread);
         let weight = irradiance * self.lobe.specular * spread.factor;
         let sine = |cosine: f32| (1.0 - cosine * cosine).max(0.0).sqrt();
+        let cosine = direction.dot(self.normal).max(GRAZING);
+        let cosines = Cosines {
+            mirror: &[1.0],
+            incoming: &[cosine],
+            sharpness: &[spread.sharpness],
+            outgoing: cosine,
+        };
+        let mut value = [0.0];
+        self.lobe.eval_many(&cosines, &mut value);
         self.mirrors.push(Mirror {
             direction: brdf::reflect(self.normal, direction),
             sharpness: spread.sharpness,
@@ -115,7 +124,7 @@ impl<'a> Lobes<'a> {
                 (0.5 * (1.0 - spread.half)).sqrt(),
             ),
             half: spread.half,
-            peak: weight.max_channel() * spread.peak / spread.factor,
+            peak: weight.max_channel() * value[0],
         });
     }
 }
@@ -193,24 +202,36 @@ impl Source for Lobes<'_> {
         self.mirrors.len() as u32
     }
 
-    fn hidden_peak(&self, candidates: &[u32], centre: Vec3, level: usize) -> f32 {
+    fn hidden_peak(
+        &self,
+        candidates: &[u32],
+        centre: Vec3,
+        level: usize,
+        least: f32,
+    ) -> Option<Peak> {
         // Where corners and centre are closer together than a lobe is wide, nothing of it can hide; and a peak
-        // hides in the cell that it stands in.
+        // hides in the cell that it stands in. The parts of a round lamp are weak each: what counts is all that is
+        // reflected where the strongest points.
         let radius = octahedron::radius(level);
         let (sine, cosine) = radius.sin_cos();
         let narrow = (radius / 1.2).cos();
-        let mut hidden = 0.0f32;
+        let (mut height, mut sum, mut direction) = (0.0f32, 0.0, None);
         for &candidate in candidates {
             let extent = &self.extents[candidate as usize];
             let (cos_core, sin_core) = extent.core;
             if extent.half >= narrow
-                && extent.peak > hidden
+                && extent.peak > 0.0
                 && self.mirrors[candidate as usize].direction.dot(centre)
                     >= cos_core * cosine - sin_core * sine
             {
-                hidden = extent.peak;
+                sum += extent.peak;
+                if extent.peak > height {
+                    height = extent.peak;
+                    direction = Some(self.mirrors[candidate as usize].direction);
+                }
             }
         }
-        hidden
+        let direction = direction.filter(|_| sum > least)?;
+        Some(Peak { direction, height })
     }
 }

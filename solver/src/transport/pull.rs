@@ -45,9 +45,6 @@ impl Source for Children<'_> {
     fn candidate_count(&self) -> u32 {
         0
     }
-    fn hidden_peak(&self, _: &[u32], _: Vec3, _: usize) -> f32 {
-        0.0
-    }
 }
 
 /// Deepest level of the basis for inner nodes: they send to far receivers only, in wide cones.

@@ -229,9 +229,40 @@ fn finest_level(lobe: &Lobe) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::directional::packed;
+    use crate::directional::{Source, packed};
     use crate::geometry::hash::unit;
     use crate::scene::{Gloss, Material};
+
+    fn config(epsilon: f32, floor: f32) -> ReflectConfig {
+        ReflectConfig {
+            epsilon,
+            refiner: Refiner::Relative,
+            basis: Basis::Haar,
+            max_level: 7,
+            floor,
+            least: 0.0,
+            typical: 1.0,
+            conserve: false,
+        }
+    }
+
+    fn surface(lobe: &Lobe, diffuse: Rgb) -> Surface<'_> {
+        Surface {
+            normal: Vec3::Z,
+            diffuse,
+            lobe: Some(lobe),
+            compensating: Rgb::BLACK,
+            bend: 0.0,
+            dark: None,
+        }
+    }
+
+    /// Uniform over the hemisphere, above the grazing band.
+    fn hemisphere(i: u32) -> Vec3 {
+        let z = 0.05 + 0.95 * unit(i, 1);
+        let (s, phi) = ((1.0 - z * z).sqrt(), unit(i, 2) * std::f32::consts::TAU);
+        Vec3::new(s * phi.cos(), s * phi.sin(), z)
+    }
 
     #[test]
     fn a_sharp_lobe_is_found_wherever_it_points() {
@@ -244,38 +275,19 @@ mod tests {
             ..Material::lambert("m", Rgb::BLACK)
         };
         let lobe = Lobe::of(&material, 0.0).expect("glossy");
-        let config = ReflectConfig {
-            epsilon: 0.1,
-            refiner: Refiner::Relative,
-            basis: Basis::Haar,
-            max_level: 7,
-            floor: 0.2,
-            least: 0.0,
-            typical: 1.0,
-            conserve: false,
-        };
+        let config = config(0.1, 0.2);
         let mut projector = Projector::default();
         for i in 0..1000 {
-            // Uniform over the hemisphere, above the grazing band.
-            let z = 0.05 + 0.95 * unit(i, 1);
-            let (s, phi) = ((1.0 - z * z).sqrt(), unit(i, 2) * std::f32::consts::TAU);
-            let direction = Vec3::new(s * phi.cos(), s * phi.sin(), z);
+            let direction = hemisphere(i);
             let sample = IlluminationSample {
                 direction,
-                irradiance: Rgb::WHITE / z,
+                irradiance: Rgb::WHITE / direction.z,
                 spread: 0.0,
                 parallax: None,
             };
             let out = reflect(
                 &[sample],
-                &Surface {
-                    normal: Vec3::Z,
-                    diffuse: Rgb::BLACK,
-                    lobe: Some(&lobe),
-                    compensating: Rgb::BLACK,
-                    bend: 0.0,
-                    dark: None,
-                },
+                &surface(&lobe, Rgb::BLACK),
                 &config,
                 &mut projector,
             );
@@ -289,6 +301,65 @@ mod tests {
             assert!(
                 found > 0.8 * peak && found < 1.1 * peak,
                 "{i}: {found} of {peak} towards {mirror}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_round_lamp_is_found_in_the_weak_lobe_of_a_bright_surface() {
+        // A polished table: a hundredth of the light of each facet is mirrored, and no facet alone would be seen.
+        let material = Material {
+            gloss: Gloss::Ward {
+                specular: Rgb::splat(0.01),
+                roughness: 0.03,
+            },
+            ..Material::lambert("m", Rgb::BLACK)
+        };
+        let lobe = Lobe::of(&material, 0.0).expect("glossy");
+        let config = config(0.12, 0.4);
+        let mut projector = Projector::default();
+        for (i, to_lamp) in (0..500).map(|i| (i, hemisphere(i))) {
+            // Lobes are narrow in one direction at grazing angles.
+            if to_lamp.z < 0.6 {
+                continue;
+            }
+            // Facets of 1°, over a disc of 2.5°.
+            let facet = |k: u32| {
+                let offset = |salt: u32| 0.08 * (unit(20 * i + k, salt) - 0.5);
+                let direction = (to_lamp + Vec3::new(offset(3), offset(4), offset(5))).normalize();
+                IlluminationSample {
+                    direction,
+                    irradiance: Rgb::WHITE / direction.z.max(0.02),
+                    spread: 1.0f32.to_radians(),
+                    parallax: None,
+                }
+            };
+            let room = IlluminationSample {
+                direction: Vec3::Z,
+                irradiance: Rgb::splat(400.0),
+                spread: 0.9,
+                parallax: None,
+            };
+            let samples: Vec<_> = (0..20).map(facet).chain([room]).collect();
+            let out = reflect(
+                &samples,
+                &surface(&lobe, Rgb::splat(0.6)),
+                &config,
+                &mut projector,
+            );
+            let words = out.distribution.expect("a distribution");
+            let few = merged(&samples, Vec3::Z, lobe.half_width);
+            let mut exact = Lobes::new(&lobe, Vec3::Z, &few, None, 0.0, Rgb::BLACK);
+            let all: Vec<u32> = (0..exact.candidate_count()).collect();
+            let view = crate::brdf::reflect(Vec3::Z, to_lamp);
+            let wanted = exact.eval(&all, view).g;
+            let found = packed::evaluate(&words, view).g;
+            // The refiner looks at the deviation of one point, and the smallest cells hold what is left.
+            let most = 1.5 * config.epsilon * (wanted + config.floor * out.diffuse.g);
+            assert!(
+                (found - wanted).abs() < most,
+                "{i}: {found} of {wanted}, beside {} diffuse, towards {view}",
+                out.diffuse.g
             );
         }
     }
