@@ -192,8 +192,8 @@ fn damaged_solutions() {
         normal: vec![glam::Vec3::Z; 3],
         radiance: vec![sheen_solver::Rgb::WHITE; 3],
         material: vec![0; 3],
-        distribution_offset: vec![sheen_solver::solution::NO_DISTRIBUTION, 0, 9],
-        distribution_words: [1.0f32.to_bits(), 0, 0, 0, 0, 0, 0, 0, 0].repeat(2),
+        distribution_offset: vec![sheen_solver::solution::NO_DISTRIBUTION, 0, 15],
+        distribution_words: [vec![1.0f32.to_bits()], vec![0; 14]].concat().repeat(2),
         triangles: vec![[0, 1, 2]],
         element_edges: vec![7],
         materials: vec![sheen_solver::Material::lambert(

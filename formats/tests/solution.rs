@@ -8,11 +8,13 @@ use sheen_solver::solution::NO_DISTRIBUTION;
 use sheen_solver::{Camera, Gloss, Material, Rgb, Solution};
 use std::path::PathBuf;
 
-/// Black but for one octant, one of whose children has three colours.
+/// Black but for one octant, whose first child is a leaf with one colour at a midpoint.
 fn distribution() -> Vec<u32> {
     const FIRST_CHILD: u32 = 1 << 28;
-    let mut words = vec![2.0f32.to_bits(), FIRST_CHILD | 9, 0, 0, 0, 0, 0, 0, 0];
-    let colours = [1.0, 0.0, 0.0, 0.0, 0.5, 0.0].map(Rgb::splat);
+    const SECOND_MIDPOINT: u32 = 1 << 22;
+    let node = FIRST_CHILD | SECOND_MIDPOINT | 15;
+    let mut words = vec![2.0f32.to_bits(), node, 0, 0, 0, 0, 0, 0, 0];
+    let colours = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5].map(Rgb::splat);
     words.extend(colours.map(packed::encode));
     words
 }
@@ -23,7 +25,7 @@ fn example() -> Solution {
         normal: vec![Vec3::Z; 4],
         radiance: [0.1, 0.0, 1e9, 3.0].map(Rgb::splat).to_vec(),
         material: vec![0, 0, 1, 2],
-        distribution_offset: vec![NO_DISTRIBUTION, 0, NO_DISTRIBUTION, 15],
+        distribution_offset: vec![NO_DISTRIBUTION, 0, NO_DISTRIBUTION, 16],
         distribution_words: [distribution(), distribution()].concat(),
         triangles: vec![[0, 1, 2], [2, 1, 3], [3, 1, 0]],
         element_edges: vec![7, 0, 5],
@@ -176,7 +178,7 @@ fn other_files_and_versions_are_named() {
     write(&place.path(), &example()).unwrap();
     let mut bytes = std::fs::read(place.path()).unwrap();
     bytes[8] = 7;
-    place.refused(&bytes, "is of version 7, this program reads version 2");
+    place.refused(&bytes, "is of version 7, this program reads version 3");
     place.refused(
         b"\x89PNG\r\n\x1a\n123456789",
         "looks like a PNG image, expected a .sheen solution",
@@ -212,7 +214,7 @@ fn row_33_forged_counts_allocate_nothing() {
     write(&place.path(), &example()).unwrap();
     let good = std::fs::read(place.path()).unwrap();
     assert!(
-        forge(&good, 8, &[2]) == good,
+        forge(&good, 8, &[3]) == good,
         "the forger knows the checksum"
     );
     for value in [1u64 << 63, u64::MAX, 1 << 40, 0, 17] {
@@ -259,7 +261,7 @@ fn inconsistent_solutions_are_refused_before_they_are_written() {
     check(|s| s.distribution_offset[1] = 1, "vertex 1");
     check(|s| s.distribution_offset[3] = 0, "distribution of vertex 1");
     check(
-        |s| s.distribution_offset[3] = 31,
+        |s| s.distribution_offset[3] = 33,
         "distribution of vertex 1",
     );
     check(
@@ -268,7 +270,7 @@ fn inconsistent_solutions_are_refused_before_they_are_written() {
     );
     check(|s| s.distribution_words[1] = 9, "not well formed");
     check(
-        |s| s.distribution_words[15] = f32::NAN.to_bits(),
+        |s| s.distribution_words[16] = f32::NAN.to_bits(),
         "vertex 3 is not well formed",
     );
     check(

@@ -18,7 +18,7 @@ use crate::file::SHEEN_MAGIC;
 use std::io::Write;
 
 /// Version that is written, and the only one that is read.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 /// Bytes of the head, and of one entry of the table.
 const RECORD: usize = 32;
 const ALIGNMENT: usize = 16;

@@ -64,20 +64,27 @@ impl Sum {
             return uniform::add(&mut self.even, words, factor);
         }
         let factor = factor * f32::from_bits(words[0]);
-        let of_word = |word: u32| match word {
+        let value = |word: u32| packed::decode(word) * factor;
+        let of_word = |word: u32, corners: [Rgb; 3]| match word {
             0 => Part::Black,
-            word => Part::Split(word),
+            word => Part::Split((word, corners)),
         };
-        let children = |word: u32| {
-            [0, 1, 2, 3].map(|child| match Node(word).child(child) {
-                Child::Black => Part::Black,
-                Child::Split(at) => of_word(words[at]),
-                Child::Leaf(at) => Part::Leaf(
-                    CORNERS[child].map(|corner| packed::decode(words[at + corner]) * factor),
-                ),
+        let children = |(word, corners): (u32, [Rgb; 3])| {
+            let node = Node(word);
+            let values = node.with_midpoints(words, corners, value);
+            [0, 1, 2, 3].map(|child| {
+                let corners = || CORNERS[child].map(|corner| values[corner]);
+                match node.child(child) {
+                    Child::Black => Part::Black,
+                    Child::Split(at) => of_word(words[at], corners()),
+                    Child::Leaf => Part::Leaf(corners()),
+                }
             })
         };
-        let octants = [1, 2, 3, 4, 5, 6, 7, 8].map(|slot| of_word(words[slot]));
+        let octants = [0, 1, 2, 3, 4, 5, 6, 7].map(|octant| {
+            let corners = packed::axes_of(octant).map(|axis| value(words[axis]));
+            of_word(words[1 + octant], corners)
+        });
         self.add_parts(octants, children);
     }
 

@@ -149,11 +149,17 @@ impl Tree {
             let [a, b, c] = cell.vertices;
             // The middle child's corners.
             let [m12, m20, m01] = self.cells[children[3] as usize].vertices;
+            let is_mean = [(m12, b, c), (m20, c, a), (m01, a, b)].map(|(m, a, b)| {
+                let value = |vertex: u32| self.values[vertex as usize];
+                value(m) == (value(a) + value(b)) * 0.5
+            });
             Part::Split {
                 children,
                 colours: [a, b, c, m12, m20, m01].map(encoded),
+                is_mean,
             }
         };
-        packed::pack(scale, [0, 1, 2, 3, 4, 5, 6, 7], part, words)
+        let axes = [0, 1, 2, 3, 4, 5].map(encoded);
+        packed::pack(scale, axes, [0, 1, 2, 3, 4, 5, 6, 7], part, words)
     }
 }

@@ -2,7 +2,7 @@
 // Needs a global `words: array<u32>`.
 
 // Bits of a node word that are the position of its group.
-const POSITION: u32 = 0x00ffffffu;
+const POSITION: u32 = 0x001fffffu;
 // Deepest subdivision that a distribution may have (`packed::MAX_DEPTH`).
 const MAX_DEPTH: u32 = 16u;
 
@@ -131,6 +131,14 @@ fn evaluate_uniform(start: u32, direction: vec3<f32>) -> vec3<f32> {
     return colour * -bitcast<f32>(words[start]);
 }
 
+// Colour at the midpoint of an edge of a node: one of those that start at `first`, or the mean of the edge's ends.
+fn midpoint_colour(first: u32, stored_mask: u32, midpoint: u32, a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    if (stored_mask & (1u << midpoint)) == 0u {
+        return (a + b) * 0.5;
+    }
+    return decode_rgb9e5(words[first + countOneBits(extractBits(stored_mask, 0u, midpoint))]);
+}
+
 // Radiance of the distribution that starts at `words[start]`, towards `direction` (unit, leaving the surface).
 fn evaluate_distribution(start: u32, direction: vec3<f32>) -> vec3<f32> {
     if (words[start] >> 31u) != 0u {
@@ -143,45 +151,55 @@ fn evaluate_distribution(start: u32, direction: vec3<f32>) -> vec3<f32> {
     var a = vec3<f32>(select(1.0, -1.0, negative.x), 0.0, 0.0);
     var b = vec3<f32>(0.0, select(1.0, -1.0, negative.y), 0.0);
     var c = vec3<f32>(0.0, 0.0, select(1.0, -1.0, negative.z));
+    // Colours at the corners.
+    let axes = start + 9u;
+    var colour_a = decode_rgb9e5(words[axes + select(0u, 3u, negative.x)]);
+    var colour_b = decode_rgb9e5(words[axes + select(1u, 4u, negative.y)]);
+    var colour_c = decode_rgb9e5(words[axes + select(2u, 5u, negative.z)]);
     for (var depth = 0u; depth <= MAX_DEPTH; depth++) {
         if node == 0u {
             break;
         }
+        let position = start + (node & POSITION);
+        let split_mask = extractBits(node, 24u, 4u);
+        let first = position + countOneBits(split_mask);
+        let stored_mask = extractBits(node, 21u, 3u);
+        let colour_m12 = midpoint_colour(first, stored_mask, 0u, colour_b, colour_c);
+        let colour_m20 = midpoint_colour(first, stored_mask, 1u, colour_c, colour_a);
+        let colour_m01 = midpoint_colour(first, stored_mask, 2u, colour_a, colour_b);
         let m12 = normalize(b + c);
         let m20 = normalize(c + a);
         let m01 = normalize(a + b);
         var child = 3u;
-        // Which of the group's colours (corners 0..2, midpoints opposite to them) stand at the child's corners.
-        var corners = vec3<u32>(3u, 4u, 5u);
         if is_beyond(m01, m20, a, direction) {
             child = 0u;
-            corners = vec3<u32>(0u, 5u, 4u);
             b = m01;
             c = m20;
+            colour_b = colour_m01;
+            colour_c = colour_m20;
         } else if is_beyond(m01, m12, b, direction) {
             child = 1u;
-            corners = vec3<u32>(5u, 1u, 3u);
             a = m01;
             c = m12;
+            colour_a = colour_m01;
+            colour_c = colour_m12;
         } else if is_beyond(m20, m12, c, direction) {
             child = 2u;
-            corners = vec3<u32>(4u, 3u, 2u);
             a = m20;
             b = m12;
+            colour_a = colour_m20;
+            colour_b = colour_m12;
         } else {
             a = m12;
             b = m20;
             c = m01;
+            colour_a = colour_m12;
+            colour_b = colour_m20;
+            colour_c = colour_m01;
         }
-        let position = start + (node & POSITION);
-        let split_mask = extractBits(node, 24u, 4u);
         if (node & (1u << (28u + child))) != 0u {
             let weights = barycentric(a, b, c, direction);
-            let at = vec3<u32>(position + countOneBits(split_mask)) + corners;
-            let colour = decode_rgb9e5(words[at.x]) * weights.x
-                + decode_rgb9e5(words[at.y]) * weights.y
-                + decode_rgb9e5(words[at.z]) * weights.z;
-            return colour * scale;
+            return (colour_a * weights.x + colour_b * weights.y + colour_c * weights.z) * scale;
         }
         if (split_mask & (1u << child)) == 0u {
             break;

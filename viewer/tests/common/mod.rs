@@ -51,11 +51,14 @@ pub(crate) fn pack(
             children: [0, 1, 2, 3].map(child),
             colours: [a, b, c, m12, m20, m01]
                 .map(|corner| packed::encode(radiance(corner) / scale)),
+            is_mean: [false; 3],
         }
     };
     let octants = [0, 1, 2, 3, 4, 5, 6, 7].map(|octant| (octahedron::octant_corners(octant), 0));
     let mut words = Vec::new();
-    packed::pack(scale, octants, part, &mut words);
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+    let axes = axes.map(|axis| packed::encode(radiance(axis) / scale));
+    packed::pack(scale, axes, octants, part, &mut words);
     assert!(packed::is_well_formed(&words));
     words
 }

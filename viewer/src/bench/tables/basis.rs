@@ -19,7 +19,15 @@ const LEVELS: [u32; 4] = [3, 4, 5, 6];
 
 /// Deviations ε, and the deepest level there, that are tried on the adaptive one besides: it is ε that tells it how fine to
 /// be, and the level is no more than a bound.
-const DEVIATIONS: [(f32, u32); 4] = [(0.5, 4), (0.25, 4), (0.06, 6), (0.03, 6)];
+const DEVIATIONS: [(f32, u32); 7] = [
+    (2.0, 3),
+    (1.0, 3),
+    (0.5, 4),
+    (0.25, 4),
+    (0.1, 6),
+    (0.06, 6),
+    (0.03, 6),
+];
 
 /// Table 2: triangles in thousands and seconds, of levels 3 and 4: uniform, Haar.
 const PAPER: [(u32, [f64; 4]); 2] = [
