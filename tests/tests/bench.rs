@@ -146,7 +146,7 @@ fn levels_deviations_and_memory_can_be_traded() {
         assert_eq!(found["dimension"], dimension);
         assert!(bytes(&found, 0) < bytes(&found, 1), "{found}");
     }
-    let found = ladder("--memory-limits", "6MiB,1GiB");
+    let found = ladder("--memory-limits", "4MiB,1GiB");
     assert_eq!(found["rows"][1]["quality"], 1.0, "{found}");
     assert!(
         found["rows"][0]["quality"].as_f64().unwrap() < 1.0,

@@ -105,19 +105,6 @@ impl Contacts<'_> {
     }
 }
 
-/// Where a walk against the light ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Walk {
-    /// Where light is.
-    Lit,
-    /// On a side, front or back, of a patch that light is not known to reach.
-    Dark(u32, bool),
-    /// Out of the scene, with no lamp in sight.
-    Out,
-    /// It takes too many steps.
-    Endless,
-}
-
 /// Where light can reach.
 #[derive(Clone, Copy)]
 pub struct Reach<'a> {
@@ -131,17 +118,14 @@ pub struct Reach<'a> {
 
 impl Reach<'_> {
     /// Whether light can reach a point: where nothing touches a side, it is known. Where something does, it is what a
-    /// walk of at most so many `steps` from one lit side to the next finds, or the lamp that is seen where that leaves the
-    /// scene.
-    pub fn walk(&self, at: Meeting, seed: u32, steps: u32) -> Walk {
+    /// walk from one lit side to the next finds, or the lamp that is seen where that leaves the scene. `None` when the
+    /// walk takes more than so many `steps`.
+    pub fn is_lit_at(&self, at: Meeting, seed: u32, steps: u32) -> Option<bool> {
         let mut at = at;
         for step in 0..steps {
             let side = self.sides[at.patch as usize][usize::from(at.back)];
-            if !side.lit {
-                return Walk::Dark(at.patch, at.back);
-            }
-            if !side.touched {
-                return Walk::Lit;
+            if !side.lit || !side.touched {
+                return Some(side.lit);
             }
             let normal = self.contacts.normal(at.patch, at.back);
             let unit = |salt: u32| hash::unit(seed, 2 * step + salt);
@@ -149,11 +133,10 @@ impl Reach<'_> {
             match self.contacts.meeting(at.point, direction, at.patch) {
                 Some(next) => at = next,
                 // Out of the scene, where there may be nothing to light it but a lamp.
-                None if self.sees_lamp(at.point, normal, at.patch, seed, step) => return Walk::Lit,
-                None => return Walk::Out,
+                None => return Some(self.sees_lamp(at.point, normal, at.patch, seed, step)),
             }
         }
-        Walk::Endless
+        None
     }
 
     /// True when nothing stands between a point of a patch and a lamp; `seed` and `ray` choose which.
@@ -178,10 +161,7 @@ impl Reach<'_> {
         let seen = |ray: u32| {
             let direction = cosine_direction(normal, spread(ray));
             match self.contacts.meeting(point, direction, patch) {
-                Some(met) => match self.walk(met, hash::mix(patch, ray), STEPS) {
-                    Walk::Lit | Walk::Endless => true,
-                    Walk::Dark(..) | Walk::Out => false,
-                },
+                Some(met) => self.is_lit_at(met, hash::mix(patch, ray), STEPS) != Some(false),
                 None => true,
             }
         };

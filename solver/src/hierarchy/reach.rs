@@ -2,12 +2,12 @@
 //!
 //! Surfaces reflect on both sides, but most backs are inside solid things or outside of a closed room. Light is
 //! flooded along rays: a side is lit when it emits, when a ray from where another is lit meets it, or when a ray of its
-//! own, random or aimed at lamps and lit sides, meets such a place. What is left is dark and needs no element. A floor
-//! that a box stands on is one patch: rays go on from the points that others met, not from all of it, and so the inside
-//! of the box stays dark. Hoped, not proven: an opening that a few dozen rays from either side all miss is taken for
-//! closed. Cost: a few dozen rays per side, and again when one that they met turns out to be lit.
+//! own, random or aimed at lamps and lit sides, meets such a place. What is left is dark and needs no element. A floor that a box stands on is one patch: rays go
+//! on from the points that others met, not from all of it, and so the inside of the box stays dark. Hoped, not proven:
+//! an opening that a few dozen rays from either side all miss is taken for closed. Cost: a few dozen rays per side and
+//! round.
 
-use super::contact::{Contacts, Meeting, Reach, Walk};
+use super::contact::{Contacts, Meeting, Reach};
 use super::patch::Patch;
 use super::targets::{Lamps, Targets};
 use crate::geometry::Polygon;
@@ -65,7 +65,6 @@ pub fn lit_sides(
         usable,
         sides: touched.into_iter().map(|sides| sides.map(side)).collect(),
         left: vec![[RAYS; 2]; patches.len()],
-        waiting: vec![[const { None }; 2]; patches.len()],
         sources: Vec::new(),
         lamps: Lamps::new(Vec::new(), Vec::new()),
     };
@@ -81,7 +80,7 @@ pub fn lit_sides(
                     met.back && patches[met.patch as usize].material == patch.material
                 };
                 let seen = contacts.seen_from_side(index, true, RAYS);
-                let count = seen.filter(|(_, met)| inside(met)).count();
+                let count = seen.iter().filter(|(_, met)| inside(met)).count();
                 (count as f32) < INSIDE_SHARE * RAYS as f32
             };
             let may_emit =
@@ -127,17 +126,12 @@ enum Source {
     Place(Meeting, u32),
 }
 
-/// Sides, front or back, of patches.
-type DarkSides = Box<[(u32, bool)]>;
-
 struct Flood<'a> {
     contacts: &'a Contacts<'a>,
     usable: &'a [[bool; 2]],
     sides: Vec<[Side; 2]>,
     /// Rays that sides may still send.
     left: Vec<[u32; 2]>,
-    /// Of each dark side that has looked for light: the dark sides that it met instead.
-    waiting: Vec<[Option<DarkSides>; 2]>,
     sources: Vec<Source>,
     lamps: Lamps,
 }
@@ -175,8 +169,7 @@ impl Flood<'_> {
         }
     }
 
-    /// Nobody's ray meets the rest: do theirs meet anything lit? False when none does, or `report` says stop. Aimed are
-    /// rays only where none is left that meets light by chance.
+    /// Nobody's ray meets the rest: do theirs meet anything lit? False when none does, or `report` says stop.
     fn reach_back(&mut self, report: &mut dyn FnMut() -> ControlFlow<()>) -> bool {
         let sides = (0..self.sides.len() as u32).flat_map(|patch| [(patch, false), (patch, true)]);
         let is_dark = |&(patch, back): &(u32, bool)| {
@@ -184,36 +177,21 @@ impl Flood<'_> {
             self.usable[patch][side] && !self.sides[patch][side].lit
         };
         let dark: Vec<(u32, bool)> = sides.clone().filter(is_dark).collect();
+        let is_lit =
+            |&(patch, back): &(u32, bool)| self.sides[patch as usize][usize::from(back)].lit;
+        let shape = |(patch, back): (u32, bool)| (self.contacts.shapes[patch as usize], back);
+        let targets = Targets::new(sides.filter(is_lit).map(shape).collect());
         let mut reached: Vec<Meeting> = Vec::new();
         for batch in dark.chunks(BATCH) {
-            let looked: Vec<Result<Vec3, Option<DarkSides>>> = batch
-                .par_iter()
-                .map(|&(patch, back)| self.look_around(patch, back))
-                .collect();
-            for (&(patch, back), found) in batch.iter().zip(looked) {
-                match found {
-                    Ok(point) => reached.push(Meeting { point, patch, back }),
-                    Err(None) => {}
-                    Err(met) => self.waiting[patch as usize][usize::from(back)] = met,
-                }
-            }
+            let of_side = |&(patch, back): &(u32, bool)| {
+                let point = self
+                    .sees_light_by_chance(patch, back)
+                    .or_else(|| self.sees_light_aimed(&targets, patch, back))?;
+                Some(Meeting { point, patch, back })
+            };
+            reached.par_extend(batch.par_iter().filter_map(of_side));
             if report().is_break() {
                 return false;
-            }
-        }
-        if reached.is_empty() {
-            let is_lit = |&side: &(u32, bool)| self.is_lit(side);
-            let shape = |(patch, back): (u32, bool)| (self.contacts.shapes[patch as usize], back);
-            let targets = Targets::new(sides.filter(is_lit).map(shape).collect());
-            for batch in dark.chunks(BATCH) {
-                let aimed = |&(patch, back): &(u32, bool)| {
-                    let point = self.sees_target(&targets, patch, back)?;
-                    Some(Meeting { point, patch, back })
-                };
-                reached.par_extend(batch.par_iter().filter_map(aimed));
-                if report().is_break() {
-                    return false;
-                }
             }
         }
         let is_any = !reached.is_empty();
@@ -221,10 +199,6 @@ impl Flood<'_> {
             self.light(place);
         }
         is_any
-    }
-
-    fn is_lit(&self, (patch, back): (u32, bool)) -> bool {
-        self.sides[patch as usize][usize::from(back)].lit
     }
 
     /// What is known about light until now.
@@ -236,50 +210,33 @@ impl Flood<'_> {
         }
     }
 
-    /// A place on a side of a patch from which a random ray meets light, or one that is aimed at a lamp; or the dark sides
-    /// that its rays meet, `None` when none of those that it met before is lit by now.
-    fn look_around(&self, patch: u32, back: bool) -> Result<Vec3, Option<DarkSides>> {
-        let waiting = &self.waiting[patch as usize][usize::from(back)];
-        if let Some(met) = waiting
-            && !met.iter().any(|&side| self.is_lit(side))
-        {
-            return Err(None);
-        }
-        let reach = self.reach();
-        let mut dark: Vec<(u32, bool)> = Vec::new();
-        for ((from, met), ray) in self.contacts.seen_from_side(patch, back, RAYS).zip(0..) {
-            match reach.walk(met, seed_of(patch, back, ray), STEPS) {
-                Walk::Lit => return Ok(from),
-                Walk::Dark(patch, back) => dark.push((patch, back)),
-                Walk::Out | Walk::Endless => {}
-            }
-        }
-        if waiting.is_none() {
-            let (normal, seed) = (
-                self.contacts.normal(patch, back),
-                seed_of(patch, back, RAYS),
-            );
-            let place = |ray: u32| self.contacts.place_on_side(patch, back, ray);
-            let sees_lamp = |ray: &u32| reach.sees_lamp(place(*ray), normal, patch, seed, *ray);
-            if let Some(ray) = (RAYS..RAYS + AIMED_RAYS).find(sees_lamp) {
-                return Ok(place(ray));
-            }
-        }
-        dark.sort_unstable();
-        dark.dedup();
-        Err(Some(dark.into_boxed_slice()))
+    /// True when light is known to reach a point.
+    fn is_lit_at(&self, at: Meeting, seed: u32) -> bool {
+        self.reach().is_lit_at(at, seed, STEPS) == Some(true)
     }
 
-    /// A place on a side of a patch from which a ray that is aimed at one of `targets` meets light.
-    fn sees_target(&self, targets: &Targets, patch: u32, back: bool) -> Option<Vec3> {
-        let (reach, normal) = (self.reach(), self.contacts.normal(patch, back));
-        let seed = seed_of(patch, back, RAYS);
+    /// A place on a side of a patch from which a random ray meets light.
+    fn sees_light_by_chance(&self, patch: u32, back: bool) -> Option<Vec3> {
+        let seen = self.contacts.seen_from_side(patch, back, RAYS);
+        let mut lit = seen.into_iter().zip(0..);
+        let lit = lit.find(|&((_, met), ray)| self.is_lit_at(met, seed_of(patch, back, ray)));
+        lit.map(|((from, _), _)| from)
+    }
+
+    /// A place on a side of a patch from which a ray that is aimed at a lamp or one of `targets` meets light.
+    fn sees_light_aimed(&self, targets: &Targets, patch: u32, back: bool) -> Option<Vec3> {
+        let reach = self.reach();
+        let normal = self.contacts.normal(patch, back);
         (RAYS..RAYS + AIMED_RAYS).find_map(|ray| {
             let from = self.contacts.place_on_side(patch, back, ray);
-            let direction = targets.aim(from, normal, seed, ray)?;
-            let met = self.contacts.meeting(from, direction, patch)?;
-            let walk = reach.walk(met, seed_of(patch, back, ray), STEPS);
-            (walk == Walk::Lit).then_some(from)
+            let seed = seed_of(patch, back, RAYS);
+            let sees_target = || {
+                let direction = targets.aim(from, normal, seed, ray)?;
+                let met = self.contacts.meeting(from, direction, patch)?;
+                self.is_lit_at(met, seed_of(patch, back, ray)).then_some(())
+            };
+            let is_lit = reach.sees_lamp(from, normal, patch, seed, ray) || sees_target().is_some();
+            is_lit.then_some(from)
         })
     }
 }
@@ -298,21 +255,16 @@ impl Contacts<'_> {
     }
 
     /// What rays from random places on a side of a patch meet, and where they start.
-    fn seen_from_side(
-        &self,
-        patch: u32,
-        back: bool,
-        rays: u32,
-    ) -> impl Iterator<Item = (Vec3, Meeting)> {
+    fn seen_from_side(&self, patch: u32, back: bool, rays: u32) -> Vec<(Vec3, Meeting)> {
         let normal = self.normal(patch, back);
         let seed = patch.wrapping_mul(2) + u32::from(back);
-        let meeting = move |ray: u32| {
+        let meeting = |ray: u32| {
             let unit = |salt: u32| hash::unit(seed, ray.wrapping_mul(4) + salt);
             let from = self.place_on_side(patch, back, ray);
             let direction = cosine_direction(normal, Vec2::new(unit(2), unit(3)));
             Some((from, self.meeting(from, direction, patch)?))
         };
-        (0..rays).filter_map(meeting)
+        (0..rays).filter_map(meeting).collect()
     }
 
     /// What rays from a source meet.
@@ -320,7 +272,7 @@ impl Contacts<'_> {
         match source {
             Source::Lamp(patch, back) => {
                 let seen = self.seen_from_side(patch, back, LAMP_RAYS);
-                seen.map(|(_, met)| met).collect()
+                seen.into_iter().map(|(_, met)| met).collect()
             }
             Source::Point(from) => {
                 let meeting = |ray: u32| {
