@@ -149,8 +149,6 @@ pub(crate) struct Spread {
     pub(crate) sharpness: f32,
     /// Factor that belongs to it: the lobe's value is this times [`Shape::eval_many`].
     pub(crate) factor: f32,
-    /// Largest value of the widened lobe, at normal incidence for Ward.
-    pub(crate) peak: f32,
     /// Cosine of the half-width.
     pub(crate) half: f32,
     /// Cosine of the angle from the mirror direction beyond which it is nothing.
@@ -161,13 +159,12 @@ impl Lobe {
     /// The lobe convolved with a uniform disc of angular radius `spread` [rad]: both taken for Gaussians in the
     /// mirror angle, with variances 1/n (Phong) or 2α² (Ward) and spread²/4 per axis.
     pub(crate) fn spread(&self, spread: f32) -> Spread {
-        let (sharpness, factor, peak, half, cutoff) = match self.shape {
+        let (sharpness, factor, half, cutoff) = match self.shape {
             Shape::Phong(exponent) => {
                 let n = exponent / (1.0 + exponent * spread * spread * 0.25);
                 let factor = (n + 2.0) / std::f32::consts::TAU;
                 (
                     n,
-                    factor,
                     factor,
                     phong::cosine_of(n, 0.5),
                     phong::cosine_of(n, CUTOFF),
@@ -181,7 +178,6 @@ impl Lobe {
                 (
                     sharpness,
                     factor,
-                    0.25 * factor,
                     ward::cosine_of(alpha, 0.5),
                     ward::cosine_of(alpha, CUTOFF),
                 )
@@ -190,7 +186,6 @@ impl Lobe {
         Spread {
             sharpness,
             factor,
-            peak,
             half,
             cutoff,
         }

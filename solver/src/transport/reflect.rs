@@ -329,7 +329,7 @@ mod tests {
                 let direction = (to_lamp + Vec3::new(offset(3), offset(4), offset(5))).normalize();
                 IlluminationSample {
                     direction,
-                    irradiance: Rgb::WHITE / direction.z.max(0.02),
+                    irradiance: Rgb::WHITE / direction.z,
                     spread: 1.0f32.to_radians(),
                     parallax: None,
                 }
