@@ -36,6 +36,9 @@ const WEAK: f32 = 0.3;
 /// Clusters up to this share of the accuracy are opened only where rays differ.
 const WEAK_CLUSTER: f32 = 0.5;
 
+/// Links from elements up to this share of the accuracy that much stands before are weighed by four rays.
+const HALF: f32 = 0.5;
+
 /// Links of this many times the accuracy are never weighed by rays as one: all of them may miss an opening.
 const STRONG: f32 = 2.0;
 
@@ -193,16 +196,23 @@ impl Gather<'_> {
                 });
                 continue;
             }
-            if strength <= limit {
+            if strength <= FAINT * limit || sender.polygon.is_none() && strength <= limit {
                 let seen = rays.few(Few::One, &mut stats);
                 blockers.add(seen.blocker);
                 stats.links += 1;
                 samples.extend(sample.through(seen.transmittance, seen.open));
                 continue;
             }
-            let seen = rays.strata(self.strata, &mut stats);
+            // Much stands in between. One ray would be right on average, but there are dozens of such links.
+            let strata = if strength <= HALF * limit {
+                2
+            } else {
+                self.strata
+            };
+            let seen = rays.strata(strata, &mut stats);
             blockers.add(seen.blocker);
-            if (seen.is_mixed() || strength > STRONG * limit) && can_refine {
+            let is_rough = strength > limit && seen.is_mixed() || strength > STRONG * limit;
+            if is_rough && can_refine {
                 sender.parts(hierarchy, self.node_count, |part| {
                     stack.push((part, candidates))
                 });

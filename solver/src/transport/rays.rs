@@ -77,8 +77,9 @@ impl Rays<'_> {
         let all = side * side;
         let at = |i: u32, salt: u32| {
             let jitter = |axis: u32| {
-                // One ray goes through the middle; more are spread within their strata.
-                if all == 1 {
+                // One ray goes through the middle of a receiver, anywhere to a vertex: there are many of those, and what the
+                // middle sees is not what all see on average. More are spread within their strata.
+                if all == 1 && self.receiver_node != NONE {
                     0.5
                 } else {
                     0.02 + 0.96 * hash::unit(seed.wrapping_add(ray), salt + axis)
