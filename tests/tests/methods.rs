@@ -197,8 +197,9 @@ fn samples_are_kept_for_what_mirrors_them_alone() {
     };
     let settings = settings.settings().unwrap();
     let prepared = Prepared::new(&scene, &settings);
-    let openness = Openness::new(&prepared.hierarchy(), &prepared.occluders);
+    let mut openness = Openness::new(&prepared.hierarchy(), &prepared.occluders);
     let done = transported(&prepared, &settings).unwrap();
+    openness.look(&done.hierarchy, &prepared.occluders);
     let Arrived::Samples(samples) = &done.arrived else {
         panic!("samples are kept");
     };

@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "figures are read from the output")]
 
 use glam::Vec3;
-use sheen_solver::{Quality, Solution, SolveConfig, solve};
+use sheen_solver::{Material, Quality, Rgb, Solution, SolveConfig, solve};
 use sheen_tests::scenes::Builder;
 
 /// Tables along each side of a field.
@@ -80,6 +80,60 @@ fn tables_get_what_the_shelves_below_them_do_not() {
         assert!(
             (got - expected).abs() < MOST,
             "{name}: {got}, not {expected}"
+        );
+    }
+}
+
+/// Mean green radiance of the ground on either side: below a board, and in the open.
+fn below_and_beside(solution: &Solution, ground: u32) -> [f32; 2] {
+    let mean = |is_own: &dyn Fn(f32) -> bool| {
+        let own = (0..solution.position.len())
+            .filter(|&v| solution.material[v] == ground && is_own(solution.position[v].x));
+        let (sum, count) = own.fold((0.0, 0.0), |(sum, count), v| {
+            (sum + solution.radiance[v].g, count + 1.0)
+        });
+        sum / count
+    };
+    [mean(&|x| x < -0.3), mean(&|x| x > 0.3)]
+}
+
+/// One link brings the light of a wide faint lamp to a whole ground that a strong red one has in pieces: those below a
+/// board are not to be given the mean.
+#[test]
+fn what_lies_below_a_board_takes_none_of_what_the_rest_gets() {
+    let mut builder = Builder::new();
+    let coloured = |emission: Rgb| Material {
+        emission,
+        ..Material::lambert("lamp", Rgb::BLACK)
+    };
+    let strong = builder.material(coloured(Rgb::new(100.0, 0.0, 0.0)));
+    let faint = builder.material(coloured(Rgb::new(0.0, 1.0, 0.0)));
+    let board = builder.lambert("board", 0.0, 0.0);
+    let ground = builder.lambert("ground", 0.5, 0.0);
+    square(&mut builder, Vec3::ZERO, 1.0, true, ground);
+    square(&mut builder, Vec3::new(0.2, 0.15, 0.0), 0.1, false, strong);
+    square(&mut builder, Vec3::Y * 4.0, 2.0, false, faint);
+    let y = 0.3;
+    let corners = [(-1.2, -1.2), (-1.2, 1.2), (0.0, 1.2), (0.0, -1.2)];
+    builder.quad(corners.map(|(x, z)| Vec3::new(x, y, z)), board);
+    builder.parts.materials[board as usize].two_sided = true;
+    let scene = builder.build();
+    let solved = |tolerance: f32| {
+        let config = SolveConfig {
+            quality: Quality::DRAFT,
+            link_tolerance: Some(tolerance),
+            ..SolveConfig::default()
+        };
+        solve(&scene, &config, &mut ()).unwrap()
+    };
+    let (coarse, fine) = (solved(1e-1), solved(1e-7));
+    let [expected, got] = [&fine, &coarse].map(|solution| below_and_beside(solution, ground));
+    println!("{} links: {got:?}", coarse.stats.solve.links);
+    println!("{} links: {expected:?}", fine.stats.solve.links);
+    for (got, alone) in got.into_iter().zip(expected) {
+        assert!(
+            (got - alone).abs() < 0.15 * expected[1],
+            "{got}, not {alone}"
         );
     }
 }

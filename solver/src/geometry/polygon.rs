@@ -138,6 +138,16 @@ impl Polygon {
         }
     }
 
+    /// Middles of the parts of the 4:1 subdivision.
+    pub fn quarter_centres(&self) -> [Vec3; 4] {
+        let (c, centre) = (&self.corners, self.centre());
+        std::array::from_fn(|i| match (self.count, i) {
+            (4, _) => 0.5 * c[i] + 0.125 * (c[(i + 1) % 4] + c[(i + 3) % 4]) + 0.25 * centre,
+            (_, 3) => centre,
+            _ => 0.5 * (c[i] + centre),
+        })
+    }
+
     /// Child 0..4 of the 4:1 subdivision by edge midpoints. Child i < 3 (triangle) or i < 4 (quad) holds corner i.
     pub fn child(&self, child: usize) -> Self {
         let c = &self.corners;
@@ -204,6 +214,17 @@ mod tests {
             Vec3::new(1.0, 1.0, z),
             Vec3::new(1.0, 0.0, z),
         ])
+    }
+
+    #[test]
+    fn quarters_have_their_middles() {
+        let square = unit_square(1.0);
+        let skewed = [Vec3::ZERO, Vec3::X, Vec3::new(2.0, 3.0, 0.0), Vec3::Y];
+        for polygon in [square, Polygon::new(&skewed), Polygon::new(&skewed[..3])] {
+            for (child, centre) in polygon.quarter_centres().into_iter().enumerate() {
+                assert!(centre.distance(polygon.child(child).centre()) < 1e-6);
+            }
+        }
     }
 
     #[test]

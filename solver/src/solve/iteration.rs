@@ -217,6 +217,11 @@ impl<'a> Iteration<'a> {
             record: false,
         };
         let mut new = Arrived::none(self.settings.method);
+        if let Arrived::Reflected(_) = &new {
+            // What is pushed at once finds the leaves that there are.
+            self.openness
+                .look(&self.hierarchy, &self.prepared.occluders);
+        }
         let held = self.held();
         let mut report = |new: usize| watch.report(PHASE, done, held + new);
         let config = self.reflect_config(emitted);
@@ -237,6 +242,11 @@ impl<'a> Iteration<'a> {
         self.links.add(&links);
         let solve = &mut self.stats.solve;
         solve.illumination_samples += links.samples;
+        if let Arrived::Samples(samples) = &mut new {
+            self.openness
+                .look(&self.hierarchy, &self.prepared.occluders);
+            samples.ask(&self.hierarchy, &self.openness);
+        }
         if let Arrived::Reflected(reflections) = &mut new {
             reflections.settle(&self.hierarchy);
             // What is sent, what it becomes, and what was sent before.

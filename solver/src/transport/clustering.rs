@@ -9,6 +9,7 @@ use crate::directional::{Projector, Sum};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::radiometry::Rgb;
 use crate::transport::illumination::{Ascent, IlluminationSample};
+use crate::transport::link::Sender;
 use crate::transport::openness::Openness;
 use crate::transport::propagate::Arrivals;
 use crate::transport::reflect::{ReflectConfig, Reflected, Surface, reflect_each};
@@ -205,7 +206,17 @@ pub struct Pushing<'a> {
 }
 
 impl Arrivals for Pushing<'_> {
-    fn take(&mut self, hierarchy: &Hierarchy, brought: Vec<(NodeId, Vec<IlluminationSample>)>) {
+    fn take(&mut self, hierarchy: &Hierarchy, mut brought: Vec<(NodeId, Vec<IlluminationSample>)>) {
+        let openness = self.surfaces.openness;
+        brought.par_iter_mut().for_each(|(receiver, samples)| {
+            let Some(below) = openness.below(hierarchy, *receiver) else {
+                return;
+            };
+            let parallaxes = samples.iter_mut().filter_map(|s| s.parallax.as_mut());
+            for parallax in parallaxes.filter(|parallax| parallax.is_shadow()) {
+                parallax.shown = below.share(&Sender::new(hierarchy, parallax.sender));
+            }
+        });
         // Leaves below each receiver, in the order of leaves.
         let mut pushed: Vec<(NodeId, usize)> = Vec::new();
         for (index, (receiver, samples)) in brought.iter().enumerate() {

@@ -202,10 +202,7 @@ impl Propagation<'_> {
             unoccluded_sample(link.receiver, link.sender, self.exitant)
         };
         Connection::Accepted {
-            sample: sample.map(|sample| IlluminationSample {
-                irradiance: sample.irradiance * transmittance,
-                ..sample
-            }),
+            sample: sample.map(|sample| sample.partly(transmittance, seen.open_of_exposed())),
             clear: false,
         }
     }

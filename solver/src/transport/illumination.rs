@@ -7,7 +7,9 @@ use crate::transport::link::{Receiver, Sender, SenderId};
 use crate::transport::openness::Openness;
 use crate::transport::packed_sample::Packed;
 use crate::transport::propagate::Arrivals;
+use crate::transport::views::Eye;
 use glam::Vec3;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::f32::consts::PI;
 
@@ -34,6 +36,25 @@ pub struct Parallax {
     pub kernel: Kernel,
     /// What the link found over what `transfer` gives the whole receiver: the mean stays what it is.
     pub scale: f32,
+    /// Share of the sender that the whole receiver sees.
+    pub open: f32,
+    /// The same as the views of the leaves below have it; 0 where they have not been asked.
+    pub shown: f32,
+}
+
+impl Parallax {
+    /// True where part of the sender is seen.
+    pub(super) fn is_shadow(&self) -> bool {
+        self.open > 0.0 && self.open < 1.0
+    }
+
+    /// What a leaf gets that sees a `share` of the sender, over what all leaves get on average. None gets more than if
+    /// nothing stood in between.
+    fn times(&self, share: f32) -> f32 {
+        let most = 1.0 / self.open.max(self.shown);
+        let least = (1.0 - most * self.shown) / (1.0 - self.shown);
+        least + (most - least) * share
+    }
 }
 
 impl IlluminationSample {
@@ -65,6 +86,15 @@ impl IlluminationSample {
         self.irradiance = self.irradiance * transmittance;
         self.spread *= open.sqrt();
         (!self.irradiance.is_black()).then_some(self)
+    }
+
+    /// What of it arrives on average of its receiver, which sees the share `open` of the sender.
+    pub(super) fn partly(mut self, transmittance: Rgb, open: f32) -> Self {
+        self.irradiance = self.irradiance * transmittance;
+        if let Some(parallax) = &mut self.parallax {
+            parallax.open = open;
+        }
+        self
     }
 
     fn scaled(mut self, factor: f32) -> Self {
@@ -125,12 +155,16 @@ fn moved(
     parallax: &Parallax,
     here: &Receiver,
     keep_direction: bool,
+    eye: Option<&Eye<'_>>,
 ) -> IlluminationSample {
     let Some(normal) = here.normal else {
         return *sample;
     };
     let sender = Sender::new(hierarchy, parallax.sender);
-    let vector = transfer(&sender, here, parallax.kernel) * parallax.scale;
+    let is_known = parallax.is_shadow() && parallax.shown > 0.0 && parallax.shown < 1.0;
+    let eye = eye.filter(|_| is_known);
+    let scale = parallax.scale * eye.map_or(1.0, |eye| parallax.times(eye.share(&sender)));
+    let vector = transfer(&sender, here, parallax.kernel) * scale;
     let irradiance = vector.dot(normal);
     let mut moved = IlluminationSample {
         parallax: None,
@@ -165,6 +199,7 @@ pub(super) struct Ascent<'a> {
     openness: &'a Openness,
     keep_directions: bool,
     leaf: NodeId,
+    eye: Option<Eye<'a>>,
     here: Receiver,
     normal: Vec3,
     /// The node that it has come to.
@@ -187,6 +222,7 @@ impl<'a> Ascent<'a> {
             openness,
             keep_directions,
             leaf,
+            eye: openness.views.of(hierarchy, leaf),
             here: Receiver::node(hierarchy, leaf),
             normal: element.map_or(Vec3::ZERO, |element| hierarchy.shading_normal(element)),
             at: leaf,
@@ -221,6 +257,7 @@ impl<'a> Ascent<'a> {
                 &parallax,
                 &self.here,
                 self.keep_directions,
+                self.eye.as_ref(),
             ),
             None if is_cluster => {
                 let per_share = self.openness.per_share(self.at, sample.direction);
@@ -329,6 +366,25 @@ impl SampleSets {
         for sample in self.sets.iter_mut().flatten() {
             sample.scale(factor);
         }
+    }
+
+    /// Asks the leaves below all elements what they see of senders that these see partly.
+    pub fn ask(&mut self, hierarchy: &Hierarchy, openness: &Openness) {
+        let elements: Vec<_> = (0..).zip(&mut self.sets).collect();
+        elements
+            .into_par_iter()
+            .with_max_len(64)
+            .filter(|(_, set)| set.iter().any(Packed::is_shadow))
+            .for_each(|(id, set)| {
+                let Some(below) = openness.below(hierarchy, id) else {
+                    return;
+                };
+                for packed in set.iter_mut().filter(|packed| packed.is_shadow()) {
+                    if let Some(parallax) = packed.sample().parallax {
+                        packed.show(below.share(&Sender::new(hierarchy, parallax.sender)));
+                    }
+                }
+            });
     }
 
     /// "Push": appends the samples of the leaf `id` and its ancestors to `field`, each as seen from its middle. With

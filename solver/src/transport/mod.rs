@@ -26,6 +26,7 @@ mod sample;
 mod sent;
 pub mod shaft;
 mod stray;
+mod views;
 pub mod visibility;
 #[cfg(target_arch = "x86_64")]
 mod wide;

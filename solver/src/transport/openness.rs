@@ -1,13 +1,14 @@
-//! Which parts of a cluster the light that it receives reaches.
+//! Which parts of a cluster or an element the light that it receives reaches.
 //!
 //! The rays of a link tell how much of a sender a cluster sees on average, and that is all a sample holds. What hides
 //! the parts of a cluster from each other is always the same: rays from each patch tell once how open it is to what lies
 //! outside of every cluster that holds it, a table top more than the seat below it. Each takes its own share of what
-//! the cluster receives, and their mean stays what it is.
+//! the cluster receives, and their mean stays what it is. The leaves of an element have [views](super::views) for that.
 //! Cost: a few dozen rays a patch side, a number for each of the clusters around it.
 
 use crate::geometry::{hash, sampling};
 use crate::hierarchy::{Element, Hierarchy, NONE, NodeId};
+use crate::transport::views::{Below, Views};
 use crate::transport::visibility::Occluders;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -27,6 +28,8 @@ pub struct Openness {
     first: Vec<u32>,
     /// Per cluster: means over what it holds, as seen along each half-axis.
     means: Vec<[Mean; 6]>,
+    /// What leaves see.
+    pub(super) views: Views,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,6 +51,7 @@ impl Openness {
             shares: Vec::new(),
             first: vec![NONE; hierarchy.nodes.len()],
             means: vec![[Mean::default(); 6]; hierarchy.cluster_count()],
+            views: Views::default(),
         };
         let clusters = hierarchy.nodes.iter().zip(&mut openness.first);
         let clusters = clusters.filter(|(node, _)| node.element == NONE);
@@ -88,11 +92,23 @@ impl Openness {
         (sum > 0.0).then(|| (area / sum) as f32)
     }
 
+    /// What the leaves of an element see, if it has several.
+    pub(super) fn below(&self, hierarchy: &Hierarchy, receiver: NodeId) -> Option<Below<'_>> {
+        let is_inner = hierarchy.element_of(receiver).is_some() && !hierarchy.is_leaf(receiver);
+        is_inner.then(|| self.views.below(hierarchy, receiver))
+    }
+
+    /// Leaves that have been split since look around.
+    pub fn look(&mut self, hierarchy: &Hierarchy, occluders: &Occluders) {
+        self.views.look(hierarchy, occluders);
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         size_of_val::<[f32]>(&self.shares)
             + size_of_val::<[u32]>(&self.first)
             + size_of_val::<[[Mean; 6]]>(&self.means)
+            + self.views.bytes()
     }
 }
 

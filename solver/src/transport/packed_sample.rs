@@ -1,7 +1,8 @@
 //! Illumination samples as they are kept: 24 bytes instead of 64.
 //!
 //! The direction is a point of the unfolded octahedron with 16 bits an axis (Meyer et al. 2010, "On floating-point normal
-//! vectors"), the irradiance has 16 bits a channel and one exponent, the spread 16 bits. What that costs is a test.
+//! vectors"), the irradiance has 16 bits a channel and one exponent, the spread 16 bits, the scale the logarithm of one, and
+//! shares 8 bits. What that costs is a test.
 
 use crate::radiometry::Rgb;
 use crate::transport::illumination::{IlluminationSample, Parallax};
@@ -28,6 +29,13 @@ const DEPTH_SHIFT: u32 = 2;
 /// Steps of the spread in a radian: no disc is wider than a half circle.
 const SPREAD_STEPS: f32 = 16384.0;
 
+/// Steps of the logarithm of a scale from one to two, and the number of that of one.
+const SCALE_STEPS: f32 = 512.0;
+const SCALE_ONE: f32 = 32768.0;
+
+/// Steps of a share.
+const SHARE_STEPS: f32 = 255.0;
+
 /// An [`IlluminationSample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Packed {
@@ -39,7 +47,9 @@ pub(super) struct Packed {
     spread: u16,
     path: u16,
     sender: u32,
-    scale: f32,
+    scale: u16,
+    open: u8,
+    shown: u8,
 }
 
 impl Packed {
@@ -53,7 +63,9 @@ impl Packed {
             spread: (sample.spread * SPREAD_STEPS).round() as u16,
             path: 0,
             sender: 0,
-            scale: 0.0,
+            scale: 0,
+            open: 0,
+            shown: 0,
         };
         if let Some(parallax) = sample.parallax {
             let (path, depth) = parallax.sender.below();
@@ -62,7 +74,10 @@ impl Packed {
                 packed.flags |= IS_POLYGON;
             }
             (packed.sender, packed.path) = (parallax.sender.node, path);
-            packed.scale = parallax.scale;
+            let steps = (parallax.scale.log2() * SCALE_STEPS).round() + SCALE_ONE;
+            packed.scale = steps as u16;
+            packed.open = share_steps(parallax.open);
+            packed.shown = share_steps(parallax.shown);
         }
         packed
     }
@@ -81,7 +96,9 @@ impl Packed {
                 } else {
                     Kernel::Point
                 },
-                scale: self.scale,
+                scale: ((f32::from(self.scale) - SCALE_ONE) / SCALE_STEPS).exp2(),
+                open: f32::from(self.open) / SHARE_STEPS,
+                shown: f32::from(self.shown) / SHARE_STEPS,
             }),
         }
     }
@@ -95,10 +112,24 @@ impl Packed {
         Rgb::new(r, g, b)
     }
 
+    /// True where its receiver sees a part of its sender.
+    pub(super) fn is_shadow(&self) -> bool {
+        self.open > 0 && f32::from(self.open) < SHARE_STEPS
+    }
+
+    /// Sets the share of the sender that leaves see.
+    pub(super) fn show(&mut self, share: f32) {
+        self.shown = share_steps(share);
+    }
+
     /// Scales its light.
     pub(super) fn scale(&mut self, factor: Rgb) {
         (self.irradiance, self.exponent) = shared_exponent(self.irradiance() * factor);
     }
+}
+
+fn share_steps(share: f32) -> u8 {
+    (share * SHARE_STEPS).round() as u8
 }
 
 /// 2^(exponent - 16).
@@ -164,7 +195,9 @@ mod tests {
                 } else {
                     Kernel::Polygon
                 },
-                scale: u(9),
+                scale: (100.0 * u(9) - 50.0).exp2(),
+                open: u(10),
+                shown: u(11),
             }),
         }
     }
@@ -172,7 +205,7 @@ mod tests {
     #[test]
     fn what_is_kept_is_what_it_was() {
         assert_eq!(size_of::<Packed>(), 24);
-        let (mut turned, mut dimmed) = (0.0f32, 0.0f32);
+        let (mut turned, mut dimmed, mut scaled) = (0.0f32, 0.0f32, 0.0f32);
         for i in 0..50_000 {
             let sample = sample(i);
             let kept = Packed::of(&sample).sample();
@@ -182,13 +215,21 @@ mod tests {
                 (kept.irradiance - sample.irradiance).max(sample.irradiance - kept.irradiance);
             dimmed = dimmed.max(off.max_channel() / sample.irradiance.max_channel());
             assert!((kept.spread - sample.spread).abs() < 1.0 / SPREAD_STEPS);
-            assert_eq!(kept.parallax, sample.parallax);
+            let (Some(kept), Some(given)) = (kept.parallax, sample.parallax) else {
+                assert_eq!(kept.parallax, sample.parallax);
+                continue;
+            };
+            assert_eq!((kept.sender, kept.kernel), (given.sender, given.kernel));
+            scaled = scaled.max((kept.scale / given.scale).log2().abs());
+            let shares = [kept.open - given.open, kept.shown - given.shown];
+            assert!(shares.iter().all(|off| off.abs() < 0.51 / SHARE_STEPS));
         }
         // Half a step along both axes, three times as far on the sphere in the middle of a face; half a step of the half
         // that the largest channel is at least.
         let half = 0.5 / DIRECTION_STEPS;
         assert!(turned < 3.0 * half * 2f32.sqrt(), "{turned:e}");
         assert!(dimmed < 1.01 / MOST_STEPS as f32, "{dimmed:e}");
+        assert!(scaled < 0.51 / SCALE_STEPS, "{scaled:e}");
     }
 
     #[test]

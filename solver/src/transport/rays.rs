@@ -282,8 +282,13 @@ impl Passage {
 
     /// Share of the sender that nothing opaque hides.
     pub(super) fn open(&self) -> f32 {
+        self.open_of_exposed() * self.share
+    }
+
+    /// The same of what light can reach of it.
+    pub(super) fn open_of_exposed(&self) -> f32 {
         if self.plain.weights > 0.0 {
-            self.open / self.plain.weights * self.share
+            self.open / self.plain.weights
         } else {
             0.0
         }

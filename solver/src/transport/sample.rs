@@ -187,6 +187,7 @@ fn sample(
                 if strength <= 0.0 {
                     return;
                 }
+                unoccluded += strength;
                 let mut part = strength;
                 let mut direction = -whole;
                 if let Some(eye) = view.and_then(|view| view.of_receiver) {
@@ -253,7 +254,7 @@ fn sample(
         parallax: None,
     };
     if !is_gap {
-        sample.parallax = parallax(receiver, sender, &sample);
+        sample.parallax = parallax(receiver, sender, &sample, (weight / unoccluded).min(1.0));
     }
     Some(Seen {
         sample: Some(sample),
@@ -272,8 +273,13 @@ fn shift(sender: &Sender, from: Vec3, point: Vec3) -> Vec3 {
 }
 
 /// How the sample changes over an element that is not beside the sender across a narrow gap; `None` where nothing is
-/// known of that.
-fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -> Option<Parallax> {
+/// known of that; the receiver sees the share `open` of the sender.
+fn parallax(
+    receiver: &Receiver,
+    sender: &Sender,
+    sample: &IlluminationSample,
+    open: f32,
+) -> Option<Parallax> {
     let normal = receiver.normal?;
     receiver.polygon?;
     let cosine = sample.direction.dot(normal);
@@ -292,6 +298,8 @@ fn parallax(receiver: &Receiver, sender: &Sender, sample: &IlluminationSample) -
         sender: sender.id,
         kernel,
         scale: cosine / mean,
+        open,
+        shown: 0.0,
     })
 }
 
