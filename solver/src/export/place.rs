@@ -20,6 +20,10 @@ const RAYS: u32 = 16;
 /// A place is covered when fewer of them are open.
 const OPEN: usize = RAYS as usize / 4;
 
+/// A place touches what a ray meets within this share of the leaf's radius: it lies in the plane of that to rounding, where
+/// no form factor is defined.
+const TOUCHING: f32 = 0.02;
+
 /// A place on a leaf.
 pub(super) struct Place<'a> {
     pub(super) element: &'a Element,
@@ -49,11 +53,8 @@ impl<'a> Place<'a> {
         };
         let centre = |leaf: NodeId| hierarchy.node(leaf).centre;
         let inset = |leaf: NodeId| on(leaf, centre(leaf), INSET);
-        let openness = |place: &Self| place.open_rays(hierarchy, occluders).count();
-        let is_open = |place: &Self| {
-            let mut open = place.open_rays(hierarchy, occluders);
-            open.nth(OPEN - 1).is_some()
-        };
+        let openness = |place: &Self| place.openness(hierarchy, occluders);
+        let is_open = |place: &Self| openness(place) >= OPEN;
         let first = inset(around[0]);
         let usual = if first.element.shading == NONE {
             let sum: Vec3 = around.iter().map(|&leaf| centre(leaf)).sum();
@@ -96,15 +97,19 @@ impl<'a> Place<'a> {
             .unwrap_or(usual)
     }
 
-    /// Rays that meet a front, and not closer than the leaf is large.
-    fn open_rays(&self, hierarchy: &Hierarchy, occluders: &Occluders) -> impl Iterator<Item = u32> {
+    /// How many rays meet a front, and not closer than the leaf is large; none where the place touches something.
+    fn openness(&self, hierarchy: &Hierarchy, occluders: &Occluders) -> usize {
         let reach = hierarchy.node(self.element.node).radius;
-        let is_open = move |ray: &u32| {
-            let direction = cosine_direction(self.element.normal, spread(*ray));
-            let hit = occluders.first_hit(self.position, direction, self.element.patch);
-            hit.is_none_or(|hit| !hit.back && hit.distance > reach)
-        };
-        (0..RAYS).filter(is_open)
+        let mut open = 0;
+        for ray in 0..RAYS {
+            let direction = cosine_direction(self.element.normal, spread(ray));
+            let hit = occluders.nearest_hit(self.position, direction, self.element.patch);
+            if hit.is_some_and(|hit| hit.distance < TOUCHING * reach) {
+                return 0;
+            }
+            open += usize::from(hit.is_none_or(|hit| !hit.back && hit.distance > reach));
+        }
+        open
     }
 }
 
