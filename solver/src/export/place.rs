@@ -150,3 +150,72 @@ fn most_open<P>(
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Scene, SceneParts, Triangle};
+    use crate::solve::Prepared;
+    use crate::{Rgb, SolveConfig};
+
+    /// A floor, and a wall that stands on it along x = 0.
+    fn floor_and_wall() -> Scene {
+        let mut parts = SceneParts {
+            materials: vec![Material {
+                emission: Rgb::WHITE,
+                two_sided: true,
+                ..Material::lambert("shining", Rgb::BLACK)
+            }],
+            ..SceneParts::default()
+        };
+        let floor = [
+            (-1.0, 0.0, -1.0),
+            (-1.0, 0.0, 1.0),
+            (1.0, 0.0, 1.0),
+            (1.0, 0.0, -1.0),
+        ];
+        let wall = [
+            (0.0, 0.0, -1.0),
+            (0.0, 0.0, 1.0),
+            (0.0, 1.0, 1.0),
+            (0.0, 1.0, -1.0),
+        ];
+        for corners in [floor, wall] {
+            let first = parts.points.len() as u32;
+            parts.points.extend(corners.map(Vec3::from));
+            for points in [[0, 1, 2], [0, 2, 3]] {
+                parts.triangles.push(Triangle {
+                    points: points.map(|corner| first + corner),
+                    normals: None,
+                    material: 0,
+                });
+            }
+        }
+        Scene::new(parts, true).expect("a scene").0
+    }
+
+    #[test]
+    fn at_the_foot_of_a_wall_no_place_is_open() {
+        let settings = SolveConfig::default().settings().expect("settings");
+        let prepared = Prepared::new(&floor_and_wall(), &settings);
+        let hierarchy = prepared.hierarchy();
+        let floor = hierarchy
+            .elements
+            .iter()
+            .find(|element| element.normal.y > 0.9)
+            .expect("a floor");
+        let radius = hierarchy.node(floor.node).radius;
+        let openness = |x: f32| {
+            let position = floor.polygon.centre() - Vec3::X * (x * radius);
+            let place = Place {
+                element: floor,
+                position,
+            };
+            place.openness(&hierarchy, &prepared.occluders)
+        };
+        // The wall is as near as rounding has it, and further off than the leaf is large for some of the rays.
+        assert_eq!(openness(1e-5), 0);
+        assert_eq!(openness(0.5 * TOUCHING), 0);
+        assert!(openness(0.4) >= OPEN, "{}", openness(0.4));
+    }
+}
