@@ -3,7 +3,7 @@
 //! The rays of a link tell how much of a sender a cluster sees on average, and that is all a sample holds. What hides
 //! the parts of a cluster from each other is always the same: rays from each patch tell once how open it is to what lies
 //! outside of every cluster that holds it, a table top more than the seat below it. Each takes its own share of what
-//! the cluster receives, and their mean stays what it is. The leaves of an element have [views](super::views) for that.
+//! the cluster receives, and their mean stays what it is. The leaves of an element have views for that.
 //! Cost: a few dozen rays a patch side, a number for each of the clusters around it.
 
 use crate::geometry::{hash, sampling};
