@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "figures are read from the output")]
 
 use glam::Vec3;
-use sheen_solver::{Material, Quality, Rgb, Solution, SolveConfig, solve};
+use sheen_solver::{Material, Quality, Rgb, Scene, Solution, SolveConfig, solve};
 use sheen_tests::scenes::Builder;
 
 /// Tables along each side of a field.
@@ -33,6 +33,16 @@ fn mean(solution: &Solution, material: u32) -> f32 {
     own().map(|v| solution.radiance[v].mean()).sum::<f32>() / own().count() as f32
 }
 
+/// Solved without light gathered at vertices: they show what transport found, at a link tolerance.
+fn transported(scene: &Scene, tolerance: f32) -> Solution {
+    let config = SolveConfig {
+        quality: Quality::DRAFT,
+        link_tolerance: Some(tolerance),
+        ..SolveConfig::default()
+    };
+    solve(scene, &config, &mut ()).unwrap()
+}
+
 #[test]
 fn tables_get_what_the_shelves_below_them_do_not() {
     let mut builder = Builder::new();
@@ -50,15 +60,7 @@ fn tables_get_what_the_shelves_below_them_do_not() {
         square(&mut builder, at - Vec3::Y * 0.015, 0.03, true, shelf);
     }
     let scene = builder.build();
-    // No light gathered at vertices: they show what transport found.
-    let solved = |tolerance: f32| {
-        let config = SolveConfig {
-            quality: Quality::DRAFT,
-            link_tolerance: Some(tolerance),
-            ..SolveConfig::default()
-        };
-        solve(&scene, &config, &mut ()).unwrap()
-    };
+    let solved = |tolerance: f32| transported(&scene, tolerance);
     // The field as a few clusters, and every square by itself.
     let (coarse, fine) = (solved(3e-4), solved(1e-9));
     let links = |solution: &Solution| {
@@ -118,14 +120,7 @@ fn what_lies_below_a_board_takes_none_of_what_the_rest_gets() {
     builder.quad(corners.map(|(x, z)| Vec3::new(x, y, z)), board);
     builder.parts.materials[board as usize].two_sided = true;
     let scene = builder.build();
-    let solved = |tolerance: f32| {
-        let config = SolveConfig {
-            quality: Quality::DRAFT,
-            link_tolerance: Some(tolerance),
-            ..SolveConfig::default()
-        };
-        solve(&scene, &config, &mut ()).unwrap()
-    };
+    let solved = |tolerance: f32| transported(&scene, tolerance);
     let (coarse, fine) = (solved(1e-1), solved(1e-7));
     let [expected, got] = [&fine, &coarse].map(|solution| below_and_beside(solution, ground));
     println!("{} links: {got:?}", coarse.stats.solve.links);

@@ -2,10 +2,10 @@
 //!
 //! Surfaces reflect on both sides, but most backs are inside solid things or outside of a closed room. Light is
 //! flooded along rays: a side is lit when it emits, when a ray from where another is lit meets it, or when a ray of its
-//! own, random or aimed at lamps and lit sides, meets such a place. What is left is dark and needs no element. A floor that a box stands on is one patch: rays go
-//! on from the points that others met, not from all of it, and so the inside of the box stays dark. Hoped, not proven:
-//! an opening that a few dozen rays from either side all miss is taken for closed. Cost: a few dozen rays per side and
-//! round.
+//! own, random or aimed at lamps and lit sides, meets such a place. What is left is dark and needs no element. A floor
+//! that a box stands on is one patch: rays go on from the points that others met, not from all of it, and so the inside
+//! of the box stays dark. Hoped, not proven: an opening that a few dozen rays from either side all miss is taken for
+//! closed. Cost: a few dozen rays per side and round.
 
 use super::contact::{Contacts, Meeting, Reach};
 use super::patch::Patch;

@@ -196,7 +196,8 @@ impl Gather<'_> {
                 });
                 continue;
             }
-            if strength <= FAINT * limit || sender.polygon.is_none() && strength <= limit {
+            // Clusters that are left are faint.
+            if sender.polygon.is_none() || strength <= FAINT * limit {
                 let seen = rays.few(Few::One, &mut stats);
                 blockers.add(seen.blocker);
                 stats.links += 1;

@@ -1,4 +1,4 @@
-//! What leaves see, coarsely: how far off the first thing stands in each of some dozen directions.
+//! What leaves see, coarsely: how far off the first thing stands in each of a hundred directions or so.
 //!
 //! A link to an element finds what share of the sender it sees on the whole, and part of a wall is behind a shelf: were
 //! all its leaves given the same, what is behind would be bright and what is beside would be dark. Each leaf takes what
