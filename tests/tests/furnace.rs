@@ -276,3 +276,19 @@ fn a_narrow_gap_is_as_bright_as_the_room() {
     let (rms, mean) = errors_of_things("cupboards", &builder.build(), 1 << 17);
     assert!(rms < 0.03 && mean.abs() < FURNACE, "{rms}, {mean}");
 }
+
+#[test]
+fn a_counter_is_bright_up_to_the_cupboard_below_it() {
+    // Its panels, through the whole room, meet the counter along edges of leaves; between them stands a box in the dark.
+    let (mut builder, counter) = lit_room([0.7, 0.1, 550.0]);
+    let panel = builder.lambert("panel", 0.6, 0.0);
+    for x in [0.75, 1.25] {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 2.0), (0.0, 2.0)];
+        builder.quad(corners.map(|(y, z)| Vec3::new(x, y, z)), panel);
+    }
+    builder.block(Vec3::new(0.85, 0.1, 0.2), Vec3::new(1.15, 0.7, 1.8), panel);
+    let corners = [(0.5, 0.0), (0.5, 2.0), (1.5, 2.0), (1.5, 0.0)];
+    builder.quad(corners.map(|(x, z)| Vec3::new(x, 0.8, z)), counter);
+    let (rms, mean) = errors_of_things("counter", &builder.build(), 1 << 16);
+    assert!(rms < 0.015 && mean.abs() < FURNACE, "{rms}, {mean}");
+}

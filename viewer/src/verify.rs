@@ -105,7 +105,7 @@ pub fn verify(
 }
 
 /// Directions in which a point of a furnace looks for dark sides.
-const LOOKS: u32 = 32;
+const LOOKS: u32 = 256;
 /// From a point nothing is looked for nearer than this share of the way to what stands opposite.
 const NEAR: f32 = 1e-3;
 

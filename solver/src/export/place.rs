@@ -20,6 +20,9 @@ const RAYS: u32 = 16;
 /// A place is covered when fewer of them are open.
 const OPEN: usize = RAYS as usize / 4;
 
+/// A place is covered when more of them end on sides that light cannot reach.
+const DARK: usize = RAYS as usize / 8;
+
 /// A place touches what a ray meets within this share of the leaf's radius: it lies in the plane of that to rounding, where
 /// no form factor is defined.
 const TOUCHING: f32 = 0.02;
@@ -56,7 +59,9 @@ impl<'a> Place<'a> {
         let openness = |place: &Self| place.openness(hierarchy, occluders);
         let is_open = |place: &Self| openness(place) >= OPEN;
         let first = inset(around[0]);
-        let usual = if first.element.shading == NONE {
+        let is_touched = around.iter().any(|&leaf| element(leaf).is_touched);
+        let is_plain = first.element.shading == NONE && !is_touched;
+        let usual = if is_plain {
             let sum: Vec3 = around.iter().map(|&leaf| centre(leaf)).sum();
             let share = if surround(vertex.point, around, hierarchy) {
                 0.0
@@ -65,8 +70,8 @@ impl<'a> Place<'a> {
             };
             on(around[0], sum / around.len() as f32, share)
         } else {
-            // On smooth surfaces the middle of several leaves lies inside the solid, and some of them may: stay on the
-            // first of the most open ones.
+            // On smooth surfaces the middle of several leaves lies inside the solid, and some of them may; what stands on
+            // a surface may do so between them: stay on the first of the most open ones.
             most_open(around.iter().map(|&leaf| inset(leaf)), openness).map_or(first, |best| best.1)
         };
         if is_open(&usual) {
@@ -97,19 +102,22 @@ impl<'a> Place<'a> {
             .unwrap_or(usual)
     }
 
-    /// How many rays meet a front, and not closer than the leaf is large; none where the place touches something.
+    /// How many rays meet a front, and not closer than the leaf is large; none where the place touches something, or sees
+    /// what light does not reach.
     fn openness(&self, hierarchy: &Hierarchy, occluders: &Occluders) -> usize {
         let reach = hierarchy.node(self.element.node).radius;
-        let mut open = 0;
+        let (mut open, mut dark) = (0, 0);
         for ray in 0..RAYS {
             let direction = cosine_direction(self.element.normal, spread(ray));
             let hit = occluders.nearest_hit(self.position, direction, self.element.patch);
             if hit.is_some_and(|hit| hit.distance < TOUCHING * reach) {
                 return 0;
             }
+            let is_dark = hit.is_some_and(|hit| hierarchy.whole(hit.patch, hit.back) == NONE);
+            dark += usize::from(is_dark);
             open += usize::from(hit.is_none_or(|hit| !hit.back && hit.distance > reach));
         }
-        open
+        if dark > DARK { 0 } else { open }
     }
 }
 
