@@ -122,19 +122,22 @@ impl Eye<'_> {
     /// True where something stands before all of the sender, and all around before it: behind what is close, whatever
     /// the link to all leaves has found.
     pub(super) fn misses(&self, sender: &Sender) -> bool {
-        let distance = sender.centre.distance(self.from);
+        // Most are seen at once.
+        if sender.radius >= sender.centre.distance(self.from)
+            || self.sees(sender, sender.centre, sender.radius)
+        {
+            return false;
+        }
         let misses = |centre: Vec3, radius: f32| {
             let at = cell(self.frame.to_local(centre - self.from));
             around(at).all(|cell| !self.sees_in(cell, sender, centre, radius))
         };
         match &sender.polygon {
-            _ if sender.radius >= distance => false,
             None => misses(sender.centre, sender.radius),
             Some(polygon) => {
                 let quarters = polygon.quarter_centres();
-                quarters
-                    .iter()
-                    .all(|&centre| misses(centre, 0.5 * sender.radius))
+                let is_missed = |&centre: &Vec3| misses(centre, 0.5 * sender.radius);
+                quarters.iter().all(is_missed)
             }
         }
     }
