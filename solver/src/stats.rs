@@ -62,7 +62,7 @@ pub struct SolveStats {
     pub brdf_evaluations: u64,
     /// Power emitted [W].
     pub emitted_w: f64,
-    /// Power absorbed by surfaces, and by clear glass on the way to them [W].
+    /// Power absorbed by surfaces, those that light is taken not to reach among them, and by clear glass on the way [W].
     pub absorbed_w: f64,
     /// Power not yet followed when the solve was stopped [W]. Otherwise zero: what few iterations leave is summed as the
     /// series that it would become.

@@ -17,8 +17,8 @@ pub(super) struct Escape {
     pub share: DVec3,
     /// Its standard deviation.
     pub deviation: DVec3,
-    /// The part that clear glass absorbs.
-    pub in_glass: DVec3,
+    /// The part that clear glass absorbs, or a side that light is taken not to reach.
+    pub taken: DVec3,
 }
 
 /// Rays that are summed on one thread.
@@ -63,7 +63,7 @@ pub(super) fn escape(
     if total <= 0.0 {
         return Escape::default();
     }
-    // Light of one ray, what of it escapes, and what glass absorbs.
+    // Light of one ray, what of it escapes, and what is taken.
     let follow = |ray: u32| -> [Rgb; 3] {
         // Roberts' sequence: multiples of the powers of a root of x⁵ = x + 1.
         let u = |step: f64| (0.5 + f64::from(ray) * step).fract() as f32;
@@ -81,16 +81,16 @@ pub(super) fn escape(
                 let mean = own / (PI * f64::from(node.area));
                 let light = exitant.towards(id, direction) / mean as f32;
                 let escaped = passed(prepared, from, direction, element.patch);
-                let tint = tint(prepared, from, direction, element.patch, escaped);
-                [light, light * escaped, light * (Rgb::WHITE - tint)]
+                let left = left(prepared, from, direction, element.patch, escaped);
+                [light, light * escaped, light * (Rgb::WHITE - left)]
             }
             None => {
                 let (from, intensity) = point_lights[source - leaves.len()];
                 let direction = sphere_direction(direction);
                 let light = intensity / intensity.mean();
                 let escaped = passed(prepared, from, direction, NO_PATCH);
-                let tint = tint(prepared, from, direction, NO_PATCH, escaped);
-                [light, light * escaped, light * (Rgb::WHITE - tint)]
+                let left = left(prepared, from, direction, NO_PATCH, escaped);
+                [light, light * escaped, light * (Rgb::WHITE - left)]
             }
         }
     };
@@ -104,7 +104,7 @@ pub(super) fn escape(
                 .fold([DVec3::ZERO; 3], add)
         })
         .collect();
-    let [sent, escaped, absorbed] = sums.into_iter().fold([DVec3::ZERO; 3], add);
+    let [sent, escaped, taken] = sums.into_iter().fold([DVec3::ZERO; 3], add);
     let part = |light: DVec3| {
         let of_channel = |c: usize| {
             if sent[c] > 0.0 {
@@ -123,7 +123,7 @@ pub(super) fn escape(
     Escape {
         share: DVec3::select(is_some, share, DVec3::ZERO),
         deviation: DVec3::select(is_some, deviation, DVec3::ZERO),
-        in_glass: part(absorbed),
+        taken: part(taken),
     }
 }
 
@@ -136,13 +136,18 @@ fn passed(prepared: &Prepared, from: Vec3, direction: Vec3, origin: u32) -> Rgb 
     passed.min(prepared.occluders.escape(from, beside, origin))
 }
 
-/// What of the light of a ray is left after the glass on its way to where it ends; `escaped`: what leaves the scene.
-fn tint(prepared: &Prepared, from: Vec3, direction: Vec3, origin: u32, escaped: Rgb) -> Rgb {
-    if prepared.glass.is_empty() {
-        return Rgb::WHITE;
-    }
+/// What of the light of a ray is left after the glass on its way to where it ends, if light is known to reach that;
+/// `escaped`: what leaves the scene.
+fn left(prepared: &Prepared, from: Vec3, direction: Vec3, origin: u32, escaped: Rgb) -> Rgb {
     let occluders = &prepared.occluders;
-    match occluders.nearest_hit(from, direction, origin) {
+    let hit = occluders.nearest_hit(from, direction, origin);
+    let is_dark = hit.is_some_and(|hit| {
+        let (patch, side) = (hit.patch as usize, usize::from(hit.back));
+        !prepared.lit[patch][side].lit && !prepared.covered[patch][side]
+    });
+    match hit {
+        _ if is_dark => Rgb::BLACK,
+        _ if prepared.glass.is_empty() => Rgb::WHITE,
         Some(hit) => {
             let to = from + direction * hit.distance;
             occluders.strict_transmittance(from, to, [origin, hit.patch])

@@ -49,7 +49,7 @@ pub(super) fn gather(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result
             .push(mean(ledger.exitance - state.emitted));
         solve.escaped_w = mean(escape.share * sent);
         solve.corrected_w = mean(ledger.received - ledger.received / correction);
-        state.in_glass = mean(escape.in_glass * sent);
+        state.taken = mean(escape.taken * sent);
         // Light that has been reflected once more than before.
         let known = |node: usize| before.get(node).copied().unwrap_or(0.0);
         let powers = state.sent.power.iter().enumerate();

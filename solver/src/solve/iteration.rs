@@ -135,8 +135,8 @@ pub(super) struct Iteration<'a> {
     pub(super) openness: Openness,
     pub(super) stats: Stats,
     links: LinkStats,
-    /// Power that clear glass has absorbed.
-    pub(super) in_glass: f64,
+    /// Power that clear glass has absorbed, or sides that light is taken not to reach.
+    pub(super) taken: f64,
 }
 
 impl<'a> Iteration<'a> {
@@ -162,7 +162,7 @@ impl<'a> Iteration<'a> {
             openness,
             stats,
             links: LinkStats::default(),
-            in_glass: 0.0,
+            taken: 0.0,
         };
         let config = first.reflect_config(0.0);
         let (emitted, _, ledger) =
@@ -344,7 +344,7 @@ impl<'a> Iteration<'a> {
         pull(&self.hierarchy, &mut total, &how);
         let solve = &mut self.stats.solve;
         let by_surfaces = mean(ledger.received - (ledger.exitance - self.emitted));
-        solve.absorbed_w = by_surfaces + self.in_glass;
+        solve.absorbed_w = by_surfaces + self.taken;
         solve.elements = self.hierarchy.elements.len() as u64;
         solve.leaves = self
             .hierarchy

@@ -5,9 +5,8 @@ use crate::hierarchy::detail::Detail;
 use crate::hierarchy::{Hierarchy, NodeId};
 use glam::DVec3;
 
-/// The factor per channel that makes the light `received` what of the light `sent` neither escaped nor stayed in clear
-/// glass. A difference within
-/// three standard deviations of what is known to escape is none.
+/// The factor per channel that makes the light `received` what of the light `sent` neither escaped nor was taken: a
+/// difference within three standard deviations of what is known to escape is none.
 ///
 /// Links are right to a few tenths of a per cent: where surfaces take less than that, as in closed rooms with
 /// reflectances near 1, the sum over thousands of iterations would be wrong by more than itself.
@@ -15,7 +14,7 @@ pub(super) fn conserving(sent: DVec3, escape: &Escape, received: DVec3) -> DVec3
     /// Links that are wrong by more have another fault, which no factor mends.
     const MOST: f64 = 0.1;
     let of_channel = |c: usize| {
-        let kept = sent[c] * (1.0 - escape.share[c] - escape.in_glass[c]);
+        let kept = sent[c] * (1.0 - escape.share[c] - escape.taken[c]);
         if received[c] <= 0.0 || (kept - received[c]).abs() <= 3.0 * escape.deviation[c] * sent[c] {
             return 1.0;
         }

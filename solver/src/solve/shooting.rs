@@ -68,13 +68,13 @@ pub(super) fn shoot(state: &mut Iteration<'_>, watch: &mut Watch<'_>) -> Result<
         solve.phases_s.push += started.elapsed().as_secs_f64();
         let weight = if is_last { tail } else { DVec3::ONE };
         solve.escaped_w += mean(escape.share * shot * weight);
-        state.in_glass += mean(escape.in_glass * shot * weight);
+        state.taken += mean(escape.taken * shot * weight);
         solve.corrected_w += mean(reflected.received * (factor - factor / correction) * weight);
         sent = reflected.exitance;
         if is_last {
             // Of an iteration that was stopped, some receivers had nothing yet.
             let arrived = reflected.received * factor;
-            let on_its_way = shot * (1.0 - escape.share - escape.in_glass) - arrived;
+            let on_its_way = shot * (1.0 - escape.share - escape.taken) - arrived;
             solve.unshot_w = if stopped {
                 mean(left) + mean(on_its_way).max(0.0)
             } else {
