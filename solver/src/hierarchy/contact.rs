@@ -154,18 +154,24 @@ impl Reach<'_> {
         }
     }
 
-    /// True when light can reach a point of an element: a ray of it leaves the scene or gets to where light is. Walks
-    /// that do not end are in a room with things on all of its walls.
+    /// True when light can reach a point of an element: a ray of it leaves the scene or gets to where light is. Where no
+    /// walk ends, it is in a room with things on all of its walls; where many end in the dark and none in the light, it
+    /// is in the dark.
     fn is_exposed(&self, point: Vec3, element: &Element) -> bool {
         let (normal, patch) = (element.normal, element.patch);
-        let seen = |ray: u32| {
+        let mut dark = 0;
+        for ray in 0..RAYS {
             let direction = cosine_direction(normal, spread(ray));
-            match self.contacts.meeting(point, direction, patch) {
-                Some(met) => self.is_lit_at(met, hash::mix(patch, ray), STEPS) != Some(false),
-                None => true,
+            let Some(met) = self.contacts.meeting(point, direction, patch) else {
+                return true;
+            };
+            match self.is_lit_at(met, hash::mix(patch, ray), STEPS) {
+                Some(true) => return true,
+                Some(false) => dark += 1,
+                None => {}
             }
-        };
-        (0..RAYS).any(seen)
+        }
+        dark < RAYS / 2
     }
 
     /// Which part of an element light can reach, and whether something touches it at all.
