@@ -161,13 +161,6 @@ fn moved(
         return *sample;
     };
     let sender = Sender::new(hierarchy, parallax.sender);
-    if eye.is_some_and(|eye| eye.misses(&sender)) {
-        return IlluminationSample {
-            irradiance: Rgb::BLACK,
-            parallax: None,
-            ..*sample
-        };
-    }
     let is_known = parallax.is_shadow() && parallax.shown > 0.0 && parallax.shown < 1.0;
     let eye = eye.filter(|_| is_known);
     let scale = parallax.scale * eye.map_or(1.0, |eye| parallax.times(eye.share(&sender)));

@@ -119,57 +119,18 @@ impl Eye<'_> {
         }
     }
 
-    /// True where something stands before all of the sender, and all around before it: behind what is close, whatever
-    /// the link to all leaves has found.
-    pub(super) fn misses(&self, sender: &Sender) -> bool {
-        // Most are seen at once.
-        if sender.radius >= sender.centre.distance(self.from)
-            || self.sees(sender, sender.centre, sender.radius)
-        {
-            return false;
-        }
-        let misses = |centre: Vec3, radius: f32| {
-            let at = cell(self.frame.to_local(centre - self.from));
-            around(at).all(|cell| !self.sees_in(cell, sender, centre, radius))
-        };
-        match &sender.polygon {
-            None => misses(sender.centre, sender.radius),
-            Some(polygon) => {
-                let quarters = polygon.quarter_centres();
-                let is_missed = |&centre: &Vec3| misses(centre, 0.5 * sender.radius);
-                quarters.iter().all(is_missed)
-            }
-        }
-    }
-
     /// True unless something stands before the part of the sender around a point, and before the sender's plane.
     fn sees(&self, sender: &Sender, centre: Vec3, radius: f32) -> bool {
-        let cell = cell(self.frame.to_local(centre - self.from));
-        self.sees_in(cell, sender, centre, radius)
-    }
-
-    /// The same by the view in some cell.
-    fn sees_in(&self, cell: usize, sender: &Sender, centre: Vec3, radius: f32) -> bool {
-        let reach = distance(self.view[cell]);
-        if reach >= centre.distance(self.from) - radius {
+        let offset = centre - self.from;
+        let cell = cell(self.frame.to_local(offset));
+        let reach = f32::from_bits(u32::from(self.view[cell]) << 16);
+        if reach >= offset.length() - radius {
             return true;
         }
         let met = self.from + self.frame.to_world(middle(cell)) * reach;
         let height = (met - sender.centre).dot(sender.normal);
         sender.polygon.is_some() && height < ON_PLANE * reach
     }
-}
-
-/// The distance of a cell.
-fn distance(upper: u16) -> f32 {
-    f32::from_bits(u32::from(upper) << 16)
-}
-
-/// A cell and those beside it.
-fn around(cell: usize) -> impl Iterator<Item = usize> {
-    let near = |at: usize| at.saturating_sub(1)..(at + 2).min(SIDE);
-    let (x, y) = (cell % SIDE, cell / SIDE);
-    near(y).flat_map(move |y| near(x).map(move |x| x + SIDE * y))
 }
 
 /// The leaves of an element.
