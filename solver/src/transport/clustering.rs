@@ -214,7 +214,7 @@ impl Arrivals for Pushing<'_> {
             };
             let parallaxes = samples.iter_mut().filter_map(|s| s.parallax.as_mut());
             for parallax in parallaxes.filter(|parallax| parallax.is_shadow()) {
-                parallax.shown = below.share(&Sender::new(hierarchy, parallax.sender));
+                parallax.place(below.shares(&Sender::new(hierarchy, parallax.sender)));
             }
         });
         // Leaves below each receiver, in the order of leaves.

@@ -7,7 +7,7 @@ use crate::transport::link::{Receiver, Sender, SenderId};
 use crate::transport::openness::Openness;
 use crate::transport::packed_sample::Packed;
 use crate::transport::propagate::Arrivals;
-use crate::transport::views::Eye;
+use crate::transport::views::{Eye, Shares};
 use glam::Vec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -38,8 +38,8 @@ pub struct Parallax {
     pub scale: f32,
     /// Share of the sender that the whole receiver sees.
     pub open: f32,
-    /// The same as the views of the leaves below have it; 0 where they have not been asked.
-    pub shown: f32,
+    /// What leaves get that see none of it, over what those get that see all of it; `None` where all get the same.
+    pub least: Option<f32>,
 }
 
 impl Parallax {
@@ -48,12 +48,29 @@ impl Parallax {
         self.open > 0.0 && self.open < 1.0
     }
 
-    /// What a leaf gets that sees a `share` of the sender, over what all leaves get on average. None gets more than if
+    /// Shares out by what the leaves of the receiver see, and their mean stays what it is. None gets more than if
     /// nothing stood in between.
-    fn times(&self, share: f32) -> f32 {
-        let most = 1.0 / self.open.max(self.shown);
-        let least = (1.0 - most * self.shown) / (1.0 - self.shown);
-        least + (most - least) * share
+    pub(super) fn place(&mut self, seen: Shares) {
+        if seen.missed >= 1.0 {
+            return;
+        }
+        let rest = 1.0 - seen.missed - seen.shown;
+        let over = self.open - seen.shown;
+        self.least = Some(if over <= 0.0 {
+            0.0
+        } else {
+            over / rest.max(over)
+        });
+        self.open = self.open.max(seen.shown);
+    }
+
+    /// What a leaf gets over what all leaves get on average.
+    fn times(&self, sender: &Sender, eye: &Eye<'_>) -> f32 {
+        match self.least {
+            None => 1.0,
+            Some(_) if eye.misses(sender) => 0.0,
+            Some(least) => (least + (1.0 - least) * eye.share(sender)) / self.open,
+        }
     }
 }
 
@@ -161,9 +178,7 @@ fn moved(
         return *sample;
     };
     let sender = Sender::new(hierarchy, parallax.sender);
-    let is_known = parallax.is_shadow() && parallax.shown > 0.0 && parallax.shown < 1.0;
-    let eye = eye.filter(|_| is_known);
-    let scale = parallax.scale * eye.map_or(1.0, |eye| parallax.times(eye.share(&sender)));
+    let scale = parallax.scale * eye.map_or(1.0, |eye| parallax.times(&sender, eye));
     let vector = transfer(&sender, here, parallax.kernel) * scale;
     let irradiance = vector.dot(normal);
     let mut moved = IlluminationSample {
@@ -380,8 +395,9 @@ impl SampleSets {
                     return;
                 };
                 for packed in set.iter_mut().filter(|packed| packed.is_shadow()) {
-                    if let Some(parallax) = packed.sample().parallax {
-                        packed.show(below.share(&Sender::new(hierarchy, parallax.sender)));
+                    if let Some(mut parallax) = packed.sample().parallax {
+                        parallax.place(below.shares(&Sender::new(hierarchy, parallax.sender)));
+                        packed.place(&parallax);
                     }
                 }
             });
@@ -464,6 +480,41 @@ mod tests {
             towards.dot(normal).max(0.0)
         };
         (0..POINTS).map(of_point).sum::<f32>() / POINTS as f32 * TAU * cap
+    }
+
+    #[test]
+    fn leaves_share_out_what_the_link_found() {
+        let steps = || (0..=20).map(|i| i as f32 / 20.0);
+        let mut short = 0;
+        for open in steps().skip(1) {
+            for missed in steps().take(20) {
+                for shown in steps().filter(|shown| shown + missed <= 1.0) {
+                    let mut parallax = Parallax {
+                        sender: SenderId::whole(0),
+                        kernel: Kernel::Point,
+                        scale: 1.0,
+                        open,
+                        least: None,
+                    };
+                    parallax.place(Shares { shown, missed });
+                    let least = parallax.least.expect("shared out");
+                    assert!((0.0..=1.0).contains(&least));
+                    // Means over leaves, over what the link found; in the open a leaf gets 1 over its share.
+                    let mean = (least * (1.0 - missed - shown) + shown) / parallax.open;
+                    let most = (1.0 - missed) / open;
+                    assert!(
+                        (mean - most.min(1.0)).abs() < 1e-5,
+                        "open {open}, missed {missed}, shown {shown}: {mean}"
+                    );
+                    assert!(1.0 / parallax.open <= 1.0 / open);
+                    short += u32::from(most < 1.0);
+                }
+            }
+        }
+        assert!(
+            short > 100,
+            "{short} cases where the link saw more than there is"
+        );
     }
 
     #[test]

@@ -23,8 +23,9 @@ const NOT_FINITE: i8 = i8::MIN;
 /// Bits of [`Packed::flags`].
 const HAS_PARALLAX: u8 = 1;
 const IS_POLYGON: u8 = 2;
+const IS_PLACED: u8 = 4;
 /// The depth of the sender's part stands above them.
-const DEPTH_SHIFT: u32 = 2;
+const DEPTH_SHIFT: u32 = 3;
 
 /// Steps of the spread in a radian: no disc is wider than a half circle.
 const SPREAD_STEPS: f32 = 16384.0;
@@ -49,7 +50,7 @@ pub(super) struct Packed {
     sender: u32,
     scale: u16,
     open: u8,
-    shown: u8,
+    least: u8,
 }
 
 impl Packed {
@@ -65,7 +66,7 @@ impl Packed {
             sender: 0,
             scale: 0,
             open: 0,
-            shown: 0,
+            least: 0,
         };
         if let Some(parallax) = sample.parallax {
             let (path, depth) = parallax.sender.below();
@@ -76,8 +77,7 @@ impl Packed {
             (packed.sender, packed.path) = (parallax.sender.node, path);
             let steps = (parallax.scale.log2() * SCALE_STEPS).round() + SCALE_ONE;
             packed.scale = steps as u16;
-            packed.open = share_steps(parallax.open);
-            packed.shown = share_steps(parallax.shown);
+            packed.place(&parallax);
         }
         packed
     }
@@ -98,7 +98,7 @@ impl Packed {
                 },
                 scale: ((f32::from(self.scale) - SCALE_ONE) / SCALE_STEPS).exp2(),
                 open: f32::from(self.open) / SHARE_STEPS,
-                shown: f32::from(self.shown) / SHARE_STEPS,
+                least: (self.flags & IS_PLACED != 0).then(|| f32::from(self.least) / SHARE_STEPS),
             }),
         }
     }
@@ -112,14 +112,18 @@ impl Packed {
         Rgb::new(r, g, b)
     }
 
-    /// True where its receiver sees a part of its sender.
+    /// True where its receiver sees a part of its sender, and all leaves get the same so far.
     pub(super) fn is_shadow(&self) -> bool {
-        self.open > 0 && f32::from(self.open) < SHARE_STEPS
+        self.flags & IS_PLACED == 0 && self.open > 0 && f32::from(self.open) < SHARE_STEPS
     }
 
-    /// Sets the share of the sender that leaves see.
-    pub(super) fn show(&mut self, share: f32) {
-        self.shown = share_steps(share);
+    /// Sets what leaves get.
+    pub(super) fn place(&mut self, parallax: &Parallax) {
+        self.open = share_steps(parallax.open);
+        if let Some(least) = parallax.least {
+            self.least = share_steps(least);
+            self.flags |= IS_PLACED;
+        }
     }
 
     /// Scales its light.
@@ -197,7 +201,7 @@ mod tests {
                 },
                 scale: (100.0 * u(9) - 50.0).exp2(),
                 open: u(10),
-                shown: u(11),
+                least: (u(11) > 0.5).then(|| u(12)),
             }),
         }
     }
@@ -221,7 +225,12 @@ mod tests {
             };
             assert_eq!((kept.sender, kept.kernel), (given.sender, given.kernel));
             scaled = scaled.max((kept.scale / given.scale).log2().abs());
-            let shares = [kept.open - given.open, kept.shown - given.shown];
+            assert_eq!(kept.least.is_some(), given.least.is_some());
+            let least = kept.least.zip(given.least);
+            let shares = [
+                kept.open - given.open,
+                least.map_or(0.0, |(kept, given)| kept - given),
+            ];
             assert!(shares.iter().all(|off| off.abs() < 0.51 / SHARE_STEPS));
         }
         // Half a step along both axes, three times as far on the sphere in the middle of a face; half a step of the half

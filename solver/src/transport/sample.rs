@@ -299,7 +299,7 @@ fn parallax(
         kernel,
         scale: cosine / mean,
         open,
-        shown: 0.0,
+        least: None,
     })
 }
 

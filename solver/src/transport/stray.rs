@@ -15,10 +15,10 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// Rays of a pair whose sender is next to nothing.
-const LEAST_RAYS: f32 = 8.0;
+const LEAST_RAYS: f32 = 16.0;
 
 /// Rays of a sender as strong as the tolerance.
-const MOST_RAYS: f32 = 128.0;
+const MOST_RAYS: f32 = 256.0;
 
 /// Light from below this cosine is taken to come from straight ahead.
 const GRAZING: f32 = 0.1;

@@ -119,18 +119,57 @@ impl Eye<'_> {
         }
     }
 
+    /// True where something stands before all of the sender, and all around before it: behind what is close, whatever
+    /// the link to all leaves has found.
+    pub(super) fn misses(&self, sender: &Sender) -> bool {
+        // Most are seen at once.
+        if sender.radius >= sender.centre.distance(self.from)
+            || self.sees(sender, sender.centre, sender.radius)
+        {
+            return false;
+        }
+        let misses = |centre: Vec3, radius: f32| {
+            let at = cell(self.frame.to_local(centre - self.from));
+            around(at).all(|cell| !self.sees_in(cell, sender, centre, radius))
+        };
+        match &sender.polygon {
+            None => misses(sender.centre, sender.radius),
+            Some(polygon) => {
+                let quarters = polygon.quarter_centres();
+                let is_missed = |&centre: &Vec3| misses(centre, 0.5 * sender.radius);
+                quarters.iter().all(is_missed)
+            }
+        }
+    }
+
     /// True unless something stands before the part of the sender around a point, and before the sender's plane.
     fn sees(&self, sender: &Sender, centre: Vec3, radius: f32) -> bool {
-        let offset = centre - self.from;
-        let cell = cell(self.frame.to_local(offset));
-        let reach = f32::from_bits(u32::from(self.view[cell]) << 16);
-        if reach >= offset.length() - radius {
+        let cell = cell(self.frame.to_local(centre - self.from));
+        self.sees_in(cell, sender, centre, radius)
+    }
+
+    /// The same by the view in some cell.
+    fn sees_in(&self, cell: usize, sender: &Sender, centre: Vec3, radius: f32) -> bool {
+        let reach = distance(self.view[cell]);
+        if reach >= centre.distance(self.from) - radius {
             return true;
         }
         let met = self.from + self.frame.to_world(middle(cell)) * reach;
         let height = (met - sender.centre).dot(sender.normal);
         sender.polygon.is_some() && height < ON_PLANE * reach
     }
+}
+
+/// The distance of a cell.
+fn distance(upper: u16) -> f32 {
+    f32::from_bits(u32::from(upper) << 16)
+}
+
+/// A cell and those beside it.
+fn around(cell: usize) -> impl Iterator<Item = usize> {
+    let near = |at: usize| at.saturating_sub(1)..(at + 2).min(SIDE);
+    let (x, y) = (cell % SIDE, cell / SIDE);
+    near(y).flat_map(move |y| near(x).map(move |x| x + SIDE * y))
 }
 
 /// The leaves of an element.
@@ -140,15 +179,35 @@ pub(super) struct Below<'a> {
 }
 
 impl Below<'_> {
-    /// Mean share of the sender that they see.
-    pub(super) fn share(&self, sender: &Sender) -> f32 {
-        let (mut seen, mut areas) = (0.0, 0.0);
+    /// Means over them.
+    pub(super) fn shares(&self, sender: &Sender) -> Shares {
+        let (mut shown, mut missed, mut areas) = (0.0, 0.0, 0.0);
         for (eye, area) in &self.eyes {
-            seen += eye.share(sender) * area;
             areas += area;
+            if eye.misses(sender) {
+                missed += area;
+            } else {
+                shown += eye.share(sender) * area;
+            }
         }
-        if areas > 0.0 { seen / areas } else { 0.0 }
+        if areas > 0.0 {
+            Shares {
+                shown: shown / areas,
+                missed: missed / areas,
+            }
+        } else {
+            Shares::default()
+        }
     }
+}
+
+/// What leaves see of a sender.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Shares {
+    /// The share that they see on average.
+    pub(super) shown: f32,
+    /// The share of them that see nothing of it for certain.
+    pub(super) missed: f32,
 }
 
 /// Tangents and normal.
