@@ -36,9 +36,10 @@ pub struct Parallax {
     pub kernel: Kernel,
     /// What the link found over what `transfer` gives the whole receiver: the mean stays what it is.
     pub scale: f32,
-    /// Share of the sender that the whole receiver sees.
+    /// Share of the sender that the whole receiver sees; once its leaves have been asked, not less than they say.
     pub open: f32,
-    /// What leaves get that see none of it, over what those get that see all of it; `None` where all get the same.
+    /// What leaves get whose view shows none of it, over what those get that see all of it; those that see none for
+    /// certain get nothing. `None` where all get the same.
     pub least: Option<f32>,
 }
 
