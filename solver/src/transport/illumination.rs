@@ -67,11 +67,14 @@ impl Parallax {
 
     /// What a leaf gets over what all leaves get on average.
     fn times(&self, sender: &Sender, eye: &Eye<'_>) -> f32 {
-        match self.least {
-            None => 1.0,
-            Some(_) if eye.misses(sender) => 0.0,
-            Some(least) => (least + (1.0 - least) * eye.share(sender)) / self.open,
+        let Some(least) = self.least else {
+            return 1.0;
+        };
+        let share = eye.share(sender);
+        if share <= 0.0 && eye.misses(sender) {
+            return 0.0;
         }
+        (least + (1.0 - least) * share) / self.open
     }
 }
 

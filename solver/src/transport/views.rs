@@ -120,7 +120,7 @@ impl Eye<'_> {
     }
 
     /// True where something stands before all of the sender, and all around before it: behind what is close, whatever
-    /// the link to all leaves has found.
+    /// the link to all leaves has found. Asked only where it sees no share of it: there it is the wider question.
     pub(super) fn misses(&self, sender: &Sender) -> bool {
         // Most are seen at once.
         if sender.radius >= sender.centre.distance(self.from)
@@ -184,10 +184,10 @@ impl Below<'_> {
         let (mut shown, mut missed, mut areas) = (0.0, 0.0, 0.0);
         for (eye, area) in &self.eyes {
             areas += area;
-            if eye.misses(sender) {
+            let share = eye.share(sender);
+            shown += share * area;
+            if share <= 0.0 && eye.misses(sender) {
                 missed += area;
-            } else {
-                shown += eye.share(sender) * area;
             }
         }
         if areas > 0.0 {
