@@ -292,3 +292,30 @@ fn a_counter_is_bright_up_to_the_cupboard_below_it() {
     let (rms, mean) = errors_of_things("counter", &builder.build(), 1 << 16);
     assert!(rms < 0.015 && mean.abs() < FURNACE, "{rms}, {mean}");
 }
+
+#[test]
+fn a_panel_is_bright_up_to_the_rail_that_it_ends_in() {
+    // A crate below a lid that is too short: its sides end in rails narrower than their leaves, and from inside see
+    // little but backs.
+    let (mut builder, side) = lit_room([0.72, 0.1, 550.0]);
+    let rail = builder.lambert("rail", 0.6, 0.0);
+    let (low, high, top) = (0.6, 1.4, 0.6);
+    let up = Vec3::Y * top;
+    let at = |x: f32, z: f32| Vec3::new(x, 0.0, z);
+    let corners = [at(low, low), at(low, high), at(high, high), at(high, low)];
+    for (i, &from) in corners.iter().enumerate() {
+        let to = corners[(i + 1) % 4];
+        builder.quad([from, to, to + up, from + up], side);
+        let along = (to - from).normalize();
+        let half = Vec3::new(0.02, 0.03, 0.02);
+        let (a, b) = (from + up + along * 0.021, to + up - along * 0.021);
+        let across = half - half * along.abs();
+        builder.block(a.min(b) - across, a.max(b) + across, rail);
+    }
+    let bottom = [(low, low), (high, low), (high, high), (low, high)];
+    builder.quad(bottom.map(|(x, z)| Vec3::new(x, 0.01, z)), side);
+    let lid = [(low, low), (low, high), (1.25, high), (1.25, low)];
+    builder.quad(lid.map(|(x, z)| Vec3::new(x, 0.631, z)), rail);
+    let (rms, mean) = errors_of_things("crate", &builder.build(), 1 << 17);
+    assert!(rms < 0.009 && mean.abs() < FURNACE, "{rms}, {mean}");
+}

@@ -56,7 +56,8 @@ impl<'a> Place<'a> {
         };
         let centre = |leaf: NodeId| hierarchy.node(leaf).centre;
         let inset = |leaf: NodeId| on(leaf, centre(leaf), INSET);
-        let openness = |place: &Self| place.openness(hierarchy, occluders);
+        let view = |place: &Self| place.view(hierarchy, occluders);
+        let openness = |place: &Self| view(place).open;
         let is_open = |place: &Self| openness(place) >= OPEN;
         let first = inset(around[0]);
         let is_touched = around.iter().any(|&leaf| element(leaf).is_touched);
@@ -88,37 +89,55 @@ impl<'a> Place<'a> {
                 let targets: Vec<Vec3> = inner.chain([centre(leaf)]).collect();
                 targets.into_iter().map(move |target| (leaf, target))
             })
-            .filter(|&(leaf, target)| is_open(&on(leaf, target, 1.0)))
             .collect();
-        UNCOVERED
-            .iter()
-            .find_map(|&share| {
+        // The nearest of which the most rays are open, on the way to targets where enough of them are.
+        let nearest = |seen: &dyn Fn(&Self) -> usize| {
+            let is_seen = |&&(leaf, target): &&(NodeId, Vec3)| seen(&on(leaf, target, 1.0)) >= OPEN;
+            let targets: Vec<_> = targets.iter().filter(is_seen).collect();
+            UNCOVERED.iter().find_map(|&share| {
                 let places = targets
                     .iter()
-                    .map(|&(leaf, target)| on(leaf, target, share));
-                let best = most_open(places, openness)?;
+                    .map(|&&(leaf, target)| on(leaf, target, share));
+                let best = most_open(places, seen)?;
                 (best.0 >= OPEN).then_some(best.1)
+            })
+        };
+        nearest(&openness)
+            .or_else(|| {
+                // Beside something that is near for all of the leaf, but not inside of it.
+                let lit = |place: &Self| view(place).lit;
+                (lit(&usual) < OPEN).then(|| nearest(&lit)).flatten()
             })
             .unwrap_or(usual)
     }
 
-    /// How many rays meet a front, and not closer than the leaf is large; none where the place touches something, or sees
-    /// what light does not reach.
-    fn openness(&self, hierarchy: &Hierarchy, occluders: &Occluders) -> usize {
+    /// What is seen from the place: nothing where it touches something, or sees what light does not reach.
+    fn view(&self, hierarchy: &Hierarchy, occluders: &Occluders) -> View {
         let reach = hierarchy.node(self.element.node).radius;
-        let (mut open, mut dark) = (0, 0);
+        let mut view = View::default();
+        let mut dark = 0;
         for ray in 0..RAYS {
             let direction = cosine_direction(self.element.normal, spread(ray));
             let hit = occluders.nearest_hit(self.position, direction, self.element.patch);
             if hit.is_some_and(|hit| hit.distance < TOUCHING * reach) {
-                return 0;
+                return View::default();
             }
             let is_dark = hit.is_some_and(|hit| hierarchy.whole(hit.patch, hit.back) == NONE);
             dark += usize::from(is_dark);
-            open += usize::from(hit.is_none_or(|hit| !hit.back && hit.distance > reach));
+            view.lit += usize::from(!is_dark);
+            view.open += usize::from(hit.is_none_or(|hit| !hit.back && hit.distance > reach));
         }
-        if dark > DARK { 0 } else { open }
+        if dark > DARK { View::default() } else { view }
     }
+}
+
+/// Of the rays from a place.
+#[derive(Clone, Copy, Default)]
+struct View {
+    /// How many meet what light can reach, or nothing.
+    lit: usize,
+    /// How many meet a front, and not closer than the leaf is large, or nothing.
+    open: usize,
 }
 
 /// True when leaves of one plane lie all around a point: their angles there fill a turn.
@@ -219,7 +238,7 @@ mod tests {
                 element: floor,
                 position,
             };
-            place.openness(&hierarchy, &prepared.occluders)
+            place.view(&hierarchy, &prepared.occluders).open
         };
         // The wall is as near as rounding has it, and further off than the leaf is large for some of the rays.
         assert_eq!(openness(1e-5), 0);

@@ -11,14 +11,15 @@ pub fn spread(index: u32) -> Vec2 {
     Vec2::new(along(0.754_877_666_246_693), along(0.569_840_290_998_053))
 }
 
-/// The same in four dimensions.
-pub fn spread4(index: u32) -> [f32; 4] {
-    // Inverse powers of the root of x⁵ = x + 1.
-    const STEPS: [f64; 4] = [
-        0.856_674_883_854_503,
-        0.733_891_856_627_126,
-        0.628_706_721_037_809,
-        0.538_597_257_223_610,
+/// The same in five dimensions.
+pub fn spread5(index: u32) -> [f32; 5] {
+    // Inverse powers of the root of x⁶ = x + 1.
+    const STEPS: [f64; 5] = [
+        0.881_271_461_633_570,
+        0.776_639_389_089_768,
+        0.684_430_129_585_343,
+        0.603_168_740_685_728,
+        0.531_555_397_715_791,
     ];
     STEPS.map(|step| (0.5 + step * f64::from(index)).fract() as f32)
 }

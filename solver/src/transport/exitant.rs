@@ -123,18 +123,26 @@ impl Exitant {
         }
     }
 
-    /// A child of `id` that sends, chosen in proportion to its power by `chance` in [0, 1).
-    pub fn brighter_child(&self, hierarchy: &Hierarchy, id: NodeId, chance: f32) -> Option<NodeId> {
+    /// A child of `id` that sends, chosen in proportion to its power by `chance` in [0, 1), and the chance that is left for
+    /// what is below it: evenly spread chances make evenly spread choices.
+    pub fn brighter_child(
+        &self,
+        hierarchy: &Hierarchy,
+        id: NodeId,
+        chance: f32,
+    ) -> Option<(NodeId, f32)> {
+        /// The largest number below one.
+        const MOST: f32 = 1.0 - f32::EPSILON / 2.0;
         let power = |child: NodeId| self.power.get(child as usize).copied().unwrap_or(0.0);
         let children = hierarchy.children(id);
         let mut left = chance * children.clone().map(power).sum::<f32>();
         let mut chosen = None;
         for child in children.filter(|&child| power(child) > 0.0) {
-            chosen = Some(child);
-            left -= power(child);
-            if left < 0.0 {
+            chosen = Some((child, (left / power(child)).min(MOST)));
+            if left < power(child) {
                 break;
             }
+            left -= power(child);
         }
         chosen
     }

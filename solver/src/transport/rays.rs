@@ -158,7 +158,7 @@ impl Rays<'_> {
             // The brighter a part, the more it counts.
             let mut id = self.sender.id.node;
             let mut salt = 100;
-            while let Some(child) =
+            while let Some((child, _)) =
                 self.exitant
                     .brighter_child(self.hierarchy, id, hash::unit(seed, salt))
             {

@@ -2,7 +2,8 @@
 //!
 //! A link's bounds are refined until each end is small against its distance. Within a chair that takes thousands of
 //! links for light that is next to nothing, but left out it adds up. Rays from the sender that meet the receiver carry
-//! their share of the sender's power: the mean is exact, and what noise there is stays within a small thing.
+//! their share of the sender's power from leaf to leaf: the mean is exact, a narrow gap stays uneven, and what noise
+//! there is stays within a small thing.
 //! Cost: a few rays per pair.
 
 use crate::geometry::{hash, sampling};
@@ -19,6 +20,9 @@ const LEAST_RAYS: f32 = 16.0;
 
 /// Rays of a sender as strong as the tolerance.
 const MOST_RAYS: f32 = 256.0;
+
+/// Tells the random number that chooses senders from those of their rays.
+const PICK: u32 = 100;
 
 /// Light from below this cosine is taken to come from straight ahead.
 const GRAZING: f32 = 0.1;
@@ -46,13 +50,16 @@ impl Propagation<'_> {
         let rays =
             (MOST_RAYS * power / self.accuracy.tolerance).clamp(LEAST_RAYS, MOST_RAYS) as u32;
         for ray in 0..rays {
-            let Some(source) = self.pick(hierarchy, id, hash::mix(seed, ray)) else {
+            // The rays of a pair are spread evenly over both.
+            let even = sampling::spread5(ray);
+            let chance = (even[4] + hash::unit(seed, PICK)).fract();
+            let Some(source) = self.pick(hierarchy, id, chance) else {
                 continue;
             };
             let Some(element) = hierarchy.element_of(source) else {
                 continue;
             };
-            let Some((from, direction, hit)) = self.ray(pair, element, seed, ray, stats) else {
+            let Some((from, direction, hit)) = self.ray(pair, element, seed, even, stats) else {
                 continue;
             };
             let met = hierarchy.whole(hit.patch, hit.back);
@@ -100,14 +107,12 @@ impl Propagation<'_> {
         pair: &Pair<'_>,
         element: &Element,
         seed: u32,
-        ray: u32,
+        even: [f32; 5],
         stats: &mut LinkStats,
     ) -> Option<(Vec3, Vec3, Hit)> {
         const TRIES: u32 = 4;
         let part = pair.sender.polygon.filter(|_| !pair.sender.id.is_whole());
         for attempt in 0..TRIES {
-            // The rays of a pair are spread evenly over both.
-            let even = sampling::spread4(ray);
             let unit = |i: usize| (even[i] + hash::unit(seed, i as u32 + 4 * attempt)).fract();
             let at = Vec2::new(unit(0), unit(1));
             let from = part.map_or_else(|| element.point(at), |part| part.point(at));
@@ -122,38 +127,51 @@ impl Propagation<'_> {
         None
     }
 
-    /// An element below `id` that sends, in proportion to its power.
-    fn pick(&self, hierarchy: &Hierarchy, id: NodeId, seed: u32) -> Option<NodeId> {
+    /// The leaf at or below `id` that a `chance` in [0, 1) chooses in proportion to power.
+    fn pick(&self, hierarchy: &Hierarchy, id: NodeId, mut chance: f32) -> Option<NodeId> {
         let mut at = id;
-        let mut salt = 0;
-        while hierarchy.element_of(at).is_none() {
-            let chance = hash::unit(seed, salt);
-            at = self.exitant.brighter_child(hierarchy, at, chance)?;
-            salt += 1;
+        while hierarchy.has_children_among(at, self.node_count) {
+            (at, chance) = self.exitant.brighter_child(hierarchy, at, chance)?;
         }
         Some(at)
     }
 
-    /// The element of the receiver that a ray met at a point of the patch side `met`.
+    /// The leaf of the receiver that a ray met at a point of the patch side `met`.
     fn below(&self, pair: &Pair<'_>, met: NodeId, point: Vec3) -> Option<NodeId> {
         if met == NONE {
             return None;
         }
+        let hierarchy = pair.hierarchy;
         let Some(polygon) = &pair.receiver.polygon else {
             let mut at = met;
             while at != pair.receiver_node {
-                at = pair.hierarchy.node(at).parent;
+                at = hierarchy.node(at).parent;
                 if at == NONE {
                     return None;
                 }
             }
-            return Some(met);
+            return Some(leaf_at(hierarchy, met, point));
         };
-        let element = pair.hierarchy.element_of(pair.receiver_node)?;
-        let root = pair.hierarchy.element_of(met)?;
+        let element = hierarchy.element_of(pair.receiver_node)?;
+        let root = hierarchy.element_of(met)?;
         let is_same_side = element.patch == root.patch && element.back == root.back;
-        (is_same_side && polygon.holds(point)).then_some(pair.receiver_node)
+        (is_same_side && polygon.holds(point))
+            .then(|| leaf_at(hierarchy, pair.receiver_node, point))
     }
+}
+
+/// The leaf of an element that holds a point of it; where rounding puts it between two, what both are part of.
+fn leaf_at(hierarchy: &Hierarchy, element: NodeId, point: Vec3) -> NodeId {
+    let holds = |&part: &NodeId| {
+        hierarchy
+            .element_of(part)
+            .is_some_and(|part| part.polygon.holds(point))
+    };
+    let mut at = element;
+    while let Some(part) = hierarchy.children(at).find(holds) {
+        at = part;
+    }
+    at
 }
 
 /// The element `met`, or those around it that are turned `towards` the light, with their cosines, until they are as
@@ -164,12 +182,17 @@ fn facing(pair: &Pair<'_>, met: NodeId, towards: Vec3, least: f32) -> (Vec<(Node
         let element = hierarchy.element_of(id)?;
         Some((id, towards.dot(hierarchy.shading_normal(element))))
     };
+    // What was met, or the largest element that it is part of.
+    let mut of_met = met;
     let (mut at, mut elements) = (met, vec![met]);
     loop {
+        if hierarchy.element_of(at).is_some() {
+            of_met = at;
+        }
         let found: Vec<(NodeId, f32)> = elements
             .iter()
             .filter_map(|&id| cosine(id))
-            .filter(|&(id, cosine)| id == met || cosine > GRAZING)
+            .filter(|&(id, cosine)| id == of_met || cosine > GRAZING)
             .collect();
         let area = |&(id, cosine): &(NodeId, f32)| hierarchy.node(id).area * cosine.max(GRAZING);
         let sum: f32 = found.iter().map(area).sum();
